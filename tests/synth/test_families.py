@@ -33,7 +33,7 @@ def test_a_family_builds_sound_objects(name: str) -> None:
     for index in range(SEEDS):
         obj = build_shape(spec(name, index))
         obj.check()
-        assert any(link.motion is not None for link in obj.links)
+        assert name == "table" or any(link.motion is not None for link in obj.links), "only tables may have no joint"
         assert all(link.parent is not None for link in obj.links if link.motion is not None)
         for leaf in obj.root.leaves():
             for piece in leaf.pieces:

@@ -25,6 +25,12 @@ def test_drawers_of_tables_open_to_all_sides() -> None:
     assert np.sum(np.abs(forward) < 0.01) > 5
 
 
+def test_some_tables_have_no_joint_and_most_have() -> None:
+    joints = [sum(link.motion is not None for link in build_object("table", seed).links) for seed in range(120)]
+    assert 0.02 < np.mean(np.array(joints) == 0) < 0.25
+    assert max(joints) > 5
+
+
 def test_drawers_leave_their_table_when_they_open() -> None:
     for shape, link in links_of("table", 60):
         if link.name == "drawer" and link.motion is not None:

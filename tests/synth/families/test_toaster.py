@@ -21,6 +21,14 @@ def test_levers_move_within_the_height_of_the_body() -> None:
                 assert moved[:, 1].min() > low[1] - 0.1
 
 
+def test_crumb_trays_slide_out_level_at_an_end_or_a_side() -> None:
+    trays = [link for seed in range(80) for link in links_with_leaf(build_object("toaster", seed), "tray")]
+    assert len(trays) > 10
+    ways = np.array([link.motion.direction for link in trays])
+    assert np.allclose(ways[:, 1], 0.0) and np.any(np.abs(ways[:, 0]) > 0.9) and np.any(np.abs(ways[:, 2]) > 0.9)
+    assert all(link.motion.a <= 0.0 < link.motion.b for link in trays)
+
+
 def test_dials_turn_about_their_own_centre() -> None:
     for seed in range(40):
         shape = build_object("toaster", seed)

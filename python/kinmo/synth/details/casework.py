@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, box, box_between, cylinder, extrude, join, lathe, move, open_box, turn
+from kinmo.synth.primitives import Point, X, box, box_between, cylinder, extrude, join, lathe, move, open_box, turn
 from kinmo.synth.synth_object import Link, Node, hinge, slider
 
 
@@ -54,6 +56,8 @@ class Fronts:
         look: "plain", "framed", "raised", "bowed" or "slatted".
         has_handles: True if doors and drawers have handles.
         handle_length: Usual length of a handle.
+        grips: Source of the handles if all have one shape; None if each has its own.
+        trim: Source of the fittings if all fronts have the same ones; None if each has its own.
     """
 
     thickness: float
@@ -61,13 +65,17 @@ class Fronts:
     look: str
     has_handles: bool
     handle_length: float
+    grips: Draw | None = None
+    trim: Draw | None = None
 
     @staticmethod
     def random(draw: Draw, unit: float) -> Fronts:
         """Random style for furniture with boards about `unit` thick."""
         gap = draw.pick([draw.between(0.02, 0.5) * unit, 0.0, -draw.between(0.1, 0.95) * unit], [4, 2, 4])
         look = draw.pick(["plain", "framed", "raised", "bowed", "slatted"], [6, 3, 2, 1, 1])
-        return Fronts(draw.ratio(0.4, 3.0) * unit, gap, look, draw.chance(0.75), draw.ratio(0.04, 0.5))
+        thickness, has_handles, length = draw.ratio(0.4, 3.0) * unit, draw.chance(0.75), draw.ratio(0.04, 0.5)
+        grips, trim = (draw.identical(1)[0] if draw.chance(0.7) else None for _ in range(2))
+        return Fronts(thickness, gap, look, has_handles, length, grips, trim)
 
     def back_plane(self, opening: Opening) -> float:
         """Position along z of a front's back: behind the carcass's front if inset, on it if overlapping."""
@@ -81,6 +89,16 @@ class Fronts:
         """Meshes of the front of an opening."""
         at = (opening.x, opening.y, self.back_plane(opening))
         return [move(piece, at) for piece in front_panel(draw, *self.size(opening), self.thickness, self.look)]
+
+    def fit(self, draw: Draw, node: Node, opening: Opening, side: str = "") -> list[Node]:
+        """Add fittings to some fronts, below `node`; returns them. `side` is the edge of a door's hinge."""
+        half, middle = 0.5 * np.array(self.size(opening)), np.array([opening.x, opening.y])
+        face = self.back_plane(opening) + _front_height(self)
+        return add_fittings(deepcopy(self.trim) or draw, node, middle - half, middle + half, face, side)
+
+    def grip(self, draw: Draw, length: float, at: Point, opening: Opening, *, vertical: bool) -> list[Mesh]:
+        """Meshes of a handle with its foot at `at`; see `pull`."""
+        return pull(deepcopy(self.grips) or draw, length, at, vertical=vertical, room=min(self.size(opening)))
 
 
 def front_panel(draw: Draw, width: float, height: float, thickness: float, look: str) -> list[Mesh]:
@@ -119,7 +137,7 @@ def _slats(draw: Draw, width: float, height: float, thickness: float) -> list[Me
 
 
 def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
-    """Add a drawer that slides to +z. Its box is a group of boards, or one block."""
+    """Add a drawer that slides to +z. Its box is a group of boards, one block, or a block together with the front."""
     node = above.add("drawer")
     box_node = node.add("drawer_box")
     width, back = fronts.size(opening)[0], fronts.back_plane(opening)
@@ -128,11 +146,14 @@ def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts:
     if fronts.has_handles:
         count = 2 if opening.width > 0.8 and draw.chance(0.3) else 1
         length = min(fronts.handle_length, 0.8 * opening.width / count)
-        y = opening.y + draw.pick([0.0, 0.3, draw.between(-0.35, 0.42)], [4, 1, 1]) * opening.height
+        y = opening.y + draw.pick([0.0, 0.3, draw.between(-0.35, 0.42), 0.47], [4, 1, 1, 0.6]) * opening.height
         aside = draw.pick([0.0, draw.between(-0.35, 0.35)], [6, 1]) * width if count == 1 else 0.0
         for place in range(count):
             x = opening.x + width * ((place + 0.5) / count - 0.5) + aside
-            node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=False))
+            node.add("handle", *fronts.grip(draw, length, (x, y, back + _front_height(fronts)), opening, vertical=False))
+    fronts.fit(draw, node, opening)
+    if draw.chance(0.1):
+        _add_runners(draw, above, carcass, opening, back - depth, back)
     travel = depth * draw.between(0.35, 1.0)
     rest = travel * draw.between(0.2, 0.95) if draw.chance(0.15) else 0.0
     return Link("drawer", [node], carcass, slider((0, 0, 1), 0, travel, rest=rest))
@@ -146,10 +167,16 @@ def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> fl
     half = opening.width / 2 - clear
     low, high = opening.low + clear, opening.low + opening.height * draw.between(0.5, 0.95)
     far = back - depth
-    form = draw.pick(["boards", "block", "tub", "front only"], [16, 2, 3, 1])
+    form = draw.pick(["boards", "loose", "block", "slab", "tub", "front only"], [13, 3, 2, 1.5, 3, 1.5])
     if form == "block":
         block = box_between((opening.x - half, low, far), (opening.x + half, high, back))
         node.children[0].pieces.append(block)
+        return depth
+    if form == "slab":
+        # The front is the end of the block.
+        front = np.max([piece.vertices[:, 2].max() for piece in node.children[0].pieces])
+        top = opening.high - clear
+        node.children[0].pieces[:] = [box_between((opening.x - half, low, far), (opening.x + half, top, front))]
         return depth
     if form == "tub":
         # An open box stands on its back: its front (+z) is turned up.
@@ -158,21 +185,39 @@ def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> fl
             open_box((-half, -depth / 2, -size[2] / 2), (half, depth / 2, size[2] / 2), min(board, 0.3 * size[2])), X, -90.0
         )
         node.add("drawer_box", move(tub, (opening.x, 0.5 * (low + high), back - depth / 2)))
-    if form != "boards":
+    if form not in ("boards", "loose"):
         return depth
+    rim = low + draw.pick([1.0, draw.between(0.5, 1.0)], [3, 1]) * (high - low)
     for side in (-1, 1):
         x = opening.x + side * (half - board / 2)
-        node.add("drawer_side", box_between((x - board / 2, low, far), (x + board / 2, high, back)))
+        node.add("drawer_side", box_between((x - board / 2, low, far), (x + board / 2, rim, back)))
     inner = half - board
     node.add("drawer_back", box_between((opening.x - inner, low, far), (opening.x + inner, high, far + board)))
     floor = low + draw.pick([0.0, 0.3 * board])
     thin = draw.pick([board, 0.5 * board, 0.0], [6, 3, 1])
     bottom = box_between((opening.x - inner, floor, far), (opening.x + inner, floor + thin, back))
     node.add("drawer_bottom", bottom)
+    if draw.chance(0.08):
+        # Walls that divide the space in the drawer.
+        for place in np.linspace(-inner, inner, draw.integer(1, 3) + 2)[1:-1]:
+            x = opening.x + place
+            node.add("drawer_side", box_between((x - board / 4, floor, far), (x + board / 4, 0.5 * (low + rim), back)))
+    if form == "loose":
+        node.children[0].pieces += [piece for child in node.children[1:] for piece in child.pieces]
+        del node.children[1:]
     if draw.chance(0.3):
         order = sorted(range(len(node.children)), key=lambda _: draw.integer(0, 1 << 20))
         node.children[:] = [node.children[i] for i in order]
     return depth
+
+
+def _add_runners(draw: Draw, above: Node, carcass: Link, opening: Opening, rear: float, front: float) -> None:
+    """Add two bars of the carcass that a drawer runs on, at its sides or below it."""
+    thin = min(0.04 * opening.width, 0.1 * opening.height)
+    y = opening.low + draw.pick([0.5 * thin, 0.4 * opening.height])
+    for side in (-1, 1):
+        at = (opening.x + side * (0.5 * opening.width - 0.5 * thin), y, 0.5 * (rear + front))
+        carcass.nodes.append(above.add(draw.pick(["rail", "bar", "other_leaf"]), box((thin, thin, front - rear), at)))
 
 
 def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str) -> Link:
@@ -201,12 +246,14 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
         length = min(fronts.handle_length * draw.between(0.8, 1.5), 0.7 * (height if upright else width))
         length = min(length, 2.0 * (0.5 - abs(along)) * height) if upright else length
         lies_along = draw.chance(0.9) or length > 0.5 * min(width, height)
-        node.add("handle", *pull(draw, length, (x, y, back + _front_height(fronts)), vertical=upright == lies_along))
+        foot = (x, y, back + _front_height(fronts))
+        node.add("handle", *fronts.grip(draw, length, foot, opening, vertical=upright == lies_along))
     inward = draw.pick([0.0, draw.between(0.0, 0.02), draw.between(0.02, 0.05)], [4, 4, 1]) * (width if upright else height)
     axis = np.array([opening.x, opening.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
     axis[0 if upright else 1] += (out[0] * width if upright else out[1] * height) / 2 - (sum(out) * inward)
     if draw.chance(0.2):
-        _add_hinges(draw, node, axis, upright, height if upright else width)
+        _add_hinges(draw, node, above, carcass, axis, upright, height if upright else width)
+    fronts.fit(draw, node, opening, side)
     direction = (0, out[0], 0) if upright else (-out[1], 0, 0)
     opens = draw.pick([90.0, 120.0, 160.0, 180.0], [6, 2, 1, 1])
     rest = draw.between(10, 0.9 * opens) if draw.chance(0.12) else 0.0
@@ -247,14 +294,19 @@ def legs(draw: Draw, half_x: float, half_z: float, low: float, high: float, thic
     return found
 
 
-def _add_hinges(draw: Draw, node: Node, axis: np.ndarray, upright: bool, length: float) -> None:
-    """Add two small hinge barrels on a door's axis."""
+def _add_hinges(draw: Draw, node: Node, above: Node, carcass: Link, axis: np.ndarray, upright: bool, length: float) -> None:
+    """Add two small hinge barrels on a door's axis, to the door's `node`, or below `above` to the carcass."""
+    on_carcass = draw.chance(0.3)
     radius = 0.01
     for place in (-0.35, 0.35):
         at = axis + np.array([0, place * length, 0] if upright else [place * length, 0, 0])
         barrel = cylinder(radius, 0.08 * length, "y" if upright else "x", at, 10)
         plate = box((0.04, 0.08 * length, 0.004) if upright else (0.08 * length, 0.04, 0.004), at)
-        node.add("hinge", *(draw.pick([[barrel], [join(barrel, plate)]])))
+        pieces = draw.pick([[barrel], [join(barrel, plate)]])
+        if on_carcass:
+            carcass.nodes.append(above.add("hinge", *pieces))
+        else:
+            node.add("hinge", *pieces)
 
 
 def _front_height(fronts: Fronts) -> float:

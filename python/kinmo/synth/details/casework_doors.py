@@ -36,7 +36,7 @@ def add_sliding_doors(draw: Draw, above: Node, carcass: Link, opening: Opening, 
         if has_handles and (track == 0 or draw.chance(0.5)):
             aside = draw.pick([0.0, -0.4, 0.4]) * share * room
             foot = at + axis * aside + (0, 0, thickness)
-            node.add("handle", *pull(draw, 0.2 * min(size), foot, vertical=not upwards, reach=0.1 * thickness))
+            node.add("handle", *pull(draw, 0.2 * min(size), foot, vertical=not upwards, reach=0.1 * thickness, room=min(size)))
         low, high = (-inner - place), (inner - place)
         if count > 2 and abs(place) < 1e-9 and draw.chance(0.5):
             low, high = draw.pick([(low, 0.0), (0.0, high)])

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
 from kinmo.synth.details.door_locks import add_door_lock
-from kinmo.synth.details.handles import pull
 from kinmo.synth.details.wheels import add_caster
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import Point, X, Z, box, box_between, rotation_about
@@ -38,6 +39,16 @@ def add_pullout(draw: Draw, above: Node, carcass: Link, opening: Opening) -> Lin
     pieces = [box_between((opening.x - half, y, front - deep), (opening.x + half, y + thick, front))]
     if draw.chance(0.4):
         pieces.append(box((2 * half, 2 * thick, 0.02), (opening.x, y + thick, front + 0.01)))
+    if draw.chance(0.15):
+        # A keyboard lies on the tray.
+        pieces.append(box((1.2 * half, 0.02, 0.35 * deep), (opening.x, y + thick + 0.01, front - 0.4 * deep)))
+    if draw.chance(0.3):
+        # The brackets that the tray slides in hang below the top.
+        reach = min(2 * thick, opening.high - y)
+        for side in (-1, 1):
+            x, thin = opening.x + side * (half - 0.5 * thick), 0.2 * thick
+            hanger = box_between((x - thin, y + reach, front - deep), (x + thin, opening.high, front - 0.1 * deep))
+            carcass.nodes.append(above.add(draw.pick(["rail", "bar"]), hanger))
     node = above.add(draw.pick(["tray", "shelf", "keyboard_tray", "board"]), *pieces)
     travel = deep * draw.between(0.4, 0.9)
     rest = travel * draw.between(0.2, 0.9) if draw.chance(0.2) else 0.0
@@ -48,10 +59,10 @@ def add_false_front(draw: Draw, above: Node, carcass: Link, opening: Opening, fr
     """Add a fixed panel that looks like a drawer or a door, sometimes with a handle."""
     panel = fronts.panel(draw, opening)
     node = above.add(draw.pick(["vertical_front_panel", "frame_horizontal_bar", "other_leaf"], [4, 1, 1]), *panel)
-    carcass.nodes.append(node)
+    carcass.nodes += [node, *fronts.fit(draw, above, opening)]
     if draw.chance(0.5):
         at = (opening.x, opening.y, fronts.back_plane(opening) + 1.5 * fronts.thickness)
-        grip = pull(draw, 0.3 * fronts.size(opening)[0], at, vertical=draw.chance(0.3))
+        grip = fronts.grip(draw, 0.3 * fronts.size(opening)[0], at, opening, vertical=draw.chance(0.3))
         carcass.nodes.append(above.add("handle", *grip))
 
 
@@ -66,7 +77,7 @@ def add_leaning_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening,
 
 def add_locked_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, side: str) -> list[Link]:
     """Add a door with a knob, lever or key on it that turns about the door's normal."""
-    plain = Fronts(fronts.thickness, fronts.gap, fronts.look, has_handles=False, handle_length=fronts.handle_length)
+    plain = replace(fronts, has_handles=False)
     door = add_door(draw, above, carcass, opening, plain, side)
     out = 1.0 if side == "right" else -1.0
     at = (

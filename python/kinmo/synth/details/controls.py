@@ -6,7 +6,13 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Point, box, cylinder, dome, extrude, lathe, move, rounded_box, turn
+from kinmo.synth.primitives import Point, box, cylinder, dome, extrude, lathe, move, rounded_box, sheet, turn
+
+CAP_LOOKS = ("box", "tapered", "rounded", "round", "plate", "sunk")
+"""Looks of keys."""
+
+KEY_FORMS = ("solid", "open", "capped", "lettered")
+"""Forms of keys: one solid, a cap without a bottom, a cap with a plate on it, or one with a sign of loose strokes."""
 
 
 def dial(draw: Draw, radius: float, depth: float, at: Point) -> list[Mesh]:
@@ -65,6 +71,40 @@ def button(draw: Draw, width: float, height: float, depth: float, at: Point) -> 
         top = radius * (draw.between(0.6, 0.95) if kind == "tapered" else 1.0)
         mesh = cylinder(radius, depth, "z", (0, 0, depth / 2), draw.pick([12, 16, 24]), top_radius=top)
     return move(mesh, at)
+
+
+def key_cap(look: str, width: float, height: float, thick: float, taper: float) -> Mesh:
+    """A key of a keyboard with its foot on z = 0, or sunk below it. `look` is one of `CAP_LOOKS`."""
+    if look == "plate":
+        return box((width, height, 0.15 * thick), (0, 0, 0.075 * thick))
+    if look == "sunk":
+        return box((width, height, thick), (0, 0, -0.4 * thick))
+    if look == "rounded":
+        return rounded_box((width, height, thick), 0.25 * min(width, height), "z", (0, 0, thick / 2), 2)
+    if look == "round" and width < 1.6 * height:
+        return cylinder(0.5 * min(width, height), thick, "z", (0, 0, thick / 2), 12)
+    cap = box((width, height, thick), (0, 0, thick / 2))
+    if look == "tapered":
+        cap.vertices[cap.vertices[:, 2] > thick / 2] *= (taper, taper, 1.0)
+    return cap
+
+
+def key_parts(draw: Draw, form: str, cap: Mesh) -> list[Mesh]:
+    """A key cap as the loose pieces that a drawing of it may have. `form` is one of `KEY_FORMS`."""
+    low, high = cap.vertices.min(axis=0), cap.vertices.max(axis=0)
+    (width, height, thick), middle = high - low, 0.5 * (low + high)
+    if form == "open":
+        bottom = np.all(cap.vertices[cap.faces][:, :, 2] < low[2] + 1e-9, axis=1)
+        return [Mesh(cap.vertices, cap.faces[~bottom])]
+    if form == "capped":
+        return [cap, box((0.8 * width, 0.8 * height, 0.3 * thick), (middle[0], middle[1], high[2]))]
+    if form == "lettered":
+        stroke = 0.08 * min(width, height)
+        sizes = [draw.pick([(stroke, 0.4 * height), (0.3 * height, stroke)]) for _ in range(draw.integer(1, 3))]
+        places = [middle[:2] + np.array([draw.between(-0.2, 0.2) * width, draw.between(-0.1, 0.2) * height]) for _ in sizes]
+        strokes = [sheet(size, (*at, high[2] + 0.02 * thick), "z") for size, at in zip(sizes, places, strict=True)]
+        return [cap, *strokes]
+    return [cap]
 
 
 def grid_places(columns: int, rows: int, width: float, height: float) -> list[tuple[float, float]]:

@@ -68,7 +68,7 @@ def add_keypad(
 def _moving_keys(draw: Draw, rows: int, columns: int, *, printed: bool) -> NDArray[np.bool_]:
     """Mask [rows, columns] of the keys that are annotated as moving."""
     moves = np.zeros((rows, columns), bool)
-    kind = draw.pick(["all", "none", "rows", "columns"], [1, 12, 0, 0] if printed else [14, 2, 3, 1])
+    kind = draw.pick(["all", "none", "rows", "columns"], [1, 12, 0, 0] if printed else [14, 3.5, 3, 1])
     if kind == "all":
         moves[:] = True
     elif kind == "rows":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
@@ -81,9 +83,14 @@ def add_desk_top(
     fronts = Fronts.random(draw, 0.6 * board)
     for left, right in zip(edges[:-1] + board, edges[1:], strict=True):
         opening = Opening(0.5 * (left + right), y + 0.5 * high, right - left, high, deep - board, front)
-        kind = draw.pick(["door", "flap", "drawer", "open"], [3, 1, 1, 2])
-        if kind == "drawer":
-            links.append(add_drawer(draw, group, base, opening, fronts))
+        kind = draw.pick(["door", "flap", "drawers", "open"], [3, 1, 2, 2])
+        if kind == "drawers":
+            # Small drawers, one above the other, below an open space or not.
+            count = draw.pick([1, 2, 3], [2, 2, 1])
+            tall = high * draw.pick([1.0, draw.between(0.4, 0.8)]) / count
+            for row in range(count):
+                part = replace(opening, y=y + (row + 0.5) * tall, height=0.94 * tall)
+                links.append(add_drawer(draw, group, base, part, fronts))
         elif kind != "open":
             sides = ["left", "right"] if kind == "door" else ["top", "bottom"]
             links.append(add_door(draw, group, base, opening, fronts, draw.pick(sides)))

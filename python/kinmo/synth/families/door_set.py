@@ -7,9 +7,10 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.door_leaves import board, sash
 from kinmo.synth.details.door_locks import add_door_lock
-from kinmo.synth.details.handles import pull
+from kinmo.synth.details.front_fittings import add_fittings
+from kinmo.synth.details.handles import knob_handle, pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import box, box_between, cylinder, join, move, torus, turn
+from kinmo.synth.primitives import box, box_between, cylinder, move, rounded_path, sweep, torus, turn
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
@@ -79,6 +80,9 @@ class _Leaf:
             self.body.add("glass", *self._placed(glass))
         else:
             self.body.add("surface_board", *self._placed(board(self.draw, self.width, self.height, self.thickness)))
+            half = 0.5 * np.array([self.width, self.height])
+            face = self.at[2] + 0.5 * self.thickness
+            add_fittings(self.draw, self.body, self.at[:2] - half, self.at[:2] + half, face)
 
     def _placed(self, pieces: list[Mesh]) -> list[Mesh]:
         return [move(piece, self.at) for piece in pieces]
@@ -115,20 +119,16 @@ class _Leaf:
             return []
         group = self.node.add("handle")
         if kind == "pull":
-            grip = pull(self.draw, self.draw.between(0.1, 0.4), place + [0, 0, self.thickness / 2], vertical=True)
+            foot, room = place + [0, 0, self.thickness / 2], 0.15 * self.width
+            grip = pull(self.draw, self.draw.between(0.1, 0.4), foot, vertical=True, room=room)
             leaf.nodes.append(group.add("fixed_part", *grip))
             return []
         reach = self.draw.between(0.04, 0.07)
         movable: list[Mesh] = []
+        grips = dict(zip((1.0, -1.0), self.draw.identical(2), strict=True))
         for face in (1.0, -1.0) if self.draw.chance(0.6) else (1.0,):
             start = place + [0, 0, face * self.thickness / 2]
-            hub = cylinder(0.018, reach, "z", start + [0, 0, face * reach / 2], 12)
-            if kind == "lever":
-                arm = box((0.14, 0.025, 0.018), start + [out * 0.06, 0, face * reach])
-            else:
-                knob = join(cylinder(0.035, 0.035, "z", segments=20), torus(0.03, 0.012, "z"))
-                arm = move(turn(knob, (0, 0, 1), 10), start + [0, 0, face * reach])
-            movable += [hub, arm]
+            movable += [move(piece, start) for piece in self._grip(grips[face], kind, reach, out, face)]
         if self.draw.chance(0.5):
             plate = box_between(place - [0.03, 0.09, 0.52 * self.thickness], place + [0.03, 0.09, 0.52 * self.thickness])
             leaf.nodes.append(group.add("fixed_part", plate))
@@ -139,6 +139,19 @@ class _Leaf:
         turning = hinge(place, (0, 0, out), 0, self.draw.between(30, 60))
         motion = turning if kind == "lever" else spinner(place, (0, 0, 1))
         return [Link("handle", [node], leaf, motion, leaf_name="handle"), *self.extras(group, place, leaf)]
+
+    def _grip(self, draw: Draw, kind: str, reach: float, out: float, face: float) -> list[Mesh]:
+        """A lever or knob with its foot at the origin, to the front (`face` 1) or to the rear (-1)."""
+        if kind == "knob":
+            knob = knob_handle(draw, draw.between(0.02, 0.045), reach)
+            return knob if face > 0 else [turn(piece, (0, 1, 0), 180.0) for piece in knob]
+        hub = cylinder(draw.between(0.012, 0.025), reach, "z", (0, 0, face * reach / 2), 12)
+        long, thick = draw.between(0.09, 0.2), draw.between(0.012, 0.03)
+        if draw.chance(0.5):
+            return [hub, box((long, thick, 0.7 * thick), (out * (0.5 * long - 0.01), 0, face * reach))]
+        bend = draw.pick([0.0, draw.between(-0.3, 0.3)]) * long
+        path = np.array([(0, 0, face * reach), (0.5 * out * long, bend, face * reach), (out * long, 0.5 * bend, face * reach)])
+        return [hub, sweep(rounded_path(path, 0.3 * long), 0.5 * thick, 8)]
 
     def extras(self, group: Node, place: np.ndarray, leaf: Link) -> list[Link]:
         """Add a second lock, a knocker, or a letter flap."""

@@ -59,17 +59,19 @@ class _Faucet:
 def build(draw: Draw) -> SynthObject:
     """Faucet with one or two switches.
 
-    Variants: one lever on top, a stick that turns and tips, a lever at the side, two handles, a wall tap, and a wall bar with a
-    switch at each end. Switches turn about their stem or tip; some screw. Some spouts swivel, some heads pull out, and some
-    faucets have a pull rod that slides.
+    Variants: one lever on top, a stick that turns and tips, a lever at the side, two handles, a bridge between two risers, a
+    pillar tap, a wall tap, and a wall bar with a switch at each end. Switches turn about their stem or tip; some screw. Some
+    spouts swivel, some heads pull out, and some faucets have a pull rod, a spray or a soap pump that slides.
     """
     root = Node("faucet")
     unit = root.add("normal_faucet")
     frame, spout = Node("frame"), Node("spout")
     base = Link("frame", [frame], kind=draw.pick([JointType.STATIC, JointType.FREE, JointType.HEAVY], [4, 1, 1]))
     faucet = _Faucet(draw, frame, spout, unit, base, [base])
-    kind = draw.pick([_single_lever, _stick, _side_lever, _two_handles, _wall_tap, _wall_pair], [7, 2, 3, 4, 2, 1])
-    kind(faucet)
+    kinds = [_single_lever, _stick, _side_lever, _two_handles, _wall_tap, _wall_pair, _bridge, _pillar_tap]
+    draw.pick(kinds, [7, 2, 3, 4, 2, 1, 1.5, 1.5])(faucet)
+    if draw.chance(0.12):
+        _deck_fitting(faucet)
     unit.children += [node for node in (frame, spout) if node.children]
     if not any(spout in link.nodes for link in faucet.links) and spout.children:
         base.nodes.append(spout)
@@ -101,6 +103,13 @@ def _single_lever(faucet: _Faucet) -> None:
     axis = np.array([0.0, np.cos(np.radians(lean)), np.sin(np.radians(lean))])
     pieces = [turn(piece, X, lean, (0, top, 0)) for piece in pieces]
     low = (0.0, draw.pick([0.0, top, 0.5 * top]), 0.0) if lean == 0.0 else (0.0, top, 0.0)
+    if lean == 0.0 and draw.chance(0.2):
+        # The lever lifts about the rear edge of its cap, or in its middle.
+        up = draw.between(15.0, 45.0)
+        limits, rest = draw.pick([(0.0, up), (-0.3 * up, up)]), draw.pick([0.0, 0.5 * up], [4, 1])
+        pivot = (0.0, top + draw.between(0.0, 0.6) * cap_height, draw.pick([0.0, -0.8 * cap]))
+        faucet.add_switch(pieces, hinge(pivot, -X, *limits, rest=rest))
+        return
     rest = draw.between(-70.0, 70.0) if draw.chance(0.15) else 0.0
     swing = draw.pick([90.0, 60.0, 45.0, 120.0], [5, 1, 1, 1])
     faucet.add_switch(pieces, hinge(low, axis * draw.sign(), -swing, swing, rest=rest))
@@ -204,6 +213,65 @@ def _two_handles(faucet: _Faucet) -> None:
             motion = spinner(at, axis) if draw.chance(0.2) else hinge(at, axis, *draw.pick(limits))
         faucet.add_switch(pieces, motion)
     _high_spout(faucet, plate, foot * draw.between(0.4, 0.7))
+
+
+def _bridge(faucet: _Faucet) -> None:
+    """Two risers with switches on top, a pipe between them, and a spout on its middle."""
+    draw = faucet.draw
+    apart, radius, rise = draw.ratio(0.2, 0.6), draw.ratio(0.025, 0.07), draw.ratio(0.1, 0.6)
+    level, stem = rise * draw.between(0.6, 1.0), radius * draw.between(0.5, 2.5)
+    for side in (-1.0, 1.0):
+        faucet.frame.add("surface_base", cylinder(radius * draw.between(1.4, 2.2), 0.04, "y", (side * apart, 0.02, 0)))
+        faucet.frame.add("vertical_support", cylinder(radius, rise + stem, "y", (side * apart, 0.5 * (rise + stem), 0), 16))
+    faucet.frame.add("horizontal_support", cylinder(0.8 * radius, 2 * apart, "x", (0, level, 0), 14))
+    grip, spun = turning_handle(draw, draw.between(0.1, 0.3), draw.between(0.06, 0.15)), draw.between(0.0, 180.0)
+    for side in (-1.0, 1.0):
+        at = (side * apart, rise + stem, 0.0)
+        pieces = [move(turn(piece, Y, side * spun), at) for piece in grip]
+        motion = draw.pick([hinge(at, side * Y, 0, 90), hinge(at, Y, -90, 90), spinner(at, Y)], [3, 2, 1])
+        faucet.add_switch(pieces, motion)
+    _high_spout(faucet, level, radius * draw.between(0.6, 1.0))
+
+
+def _pillar_tap(faucet: _Faucet) -> None:
+    """One or two separate taps: a post with a short spout in front and a switch on top that turns or screws."""
+    draw = faucet.draw
+    radius, height = draw.ratio(0.06, 0.16), draw.ratio(0.25, 0.7)
+    places = (0.0,) if draw.chance(0.6) else (-draw.between(2.5, 6.0) * radius, 0.0)
+    reach, level, wide = draw.ratio(0.25, 0.8), height * draw.between(0.5, 0.9), draw.between(0.1, 0.28)
+    path = np.array([(0, level, 0), (0, level, reach), (0, level - draw.between(0.05, 0.25), reach + 0.02)])
+    grip, stem = turning_handle(draw, wide, draw.between(0.06, 0.18)), draw.between(0.02, 0.15)
+    rise, limits = draw.between(0.02, 0.06), draw.pick([(-90, 90), (0, 180), (0, 90)])
+    style = draw.pick(["screw", "turn", "limited"])
+    for x, own in zip(places, draw.identical(len(places)), strict=True):
+        drum = cylinder(radius, height, "y", (x, 0.5 * height, 0), 20, top_radius=radius * own.between(0.7, 1.1))
+        faucet.frame.add("vertical_support", drum, cylinder(0.5 * radius, stem, "y", (x, height + 0.5 * stem, 0), 12))
+        if own.chance(0.6):
+            faucet.frame.add("surface_base", cylinder(1.5 * radius, 0.03, "y", (x, 0.015, 0), 24))
+        add_spout(own, faucet.spout, rounded_path(path, 0.15, 6) + (x, 0.0, 0.0), radius * own.between(0.4, 0.7))
+        at = (x, height + stem, 0.0)
+        turning = {"screw": screw(at, Y, 0.0, rise, turns=None), "turn": spinner(at, Y), "limited": hinge(at, Y, *limits)}
+        faucet.add_switch([move(piece, at) for piece in grip], turning[style])
+
+
+def _deck_fitting(faucet: _Faucet) -> None:
+    """A hand spray in a holder or a soap pump beside the faucet, both of which slide up and down, or a plug that rests."""
+    draw = faucet.draw
+    x, radius, tall = draw.sign() * draw.between(0.5, 0.9), draw.ratio(0.03, 0.07), draw.ratio(0.1, 0.35)
+    holder = cylinder(1.5 * radius, 0.4 * tall, "y", (x, 0.2 * tall, 0), 16, top_radius=1.2 * radius)
+    faucet.frame.add(draw.pick(["surface_base", "vertical_support"]), holder)
+    kind = draw.pick(["spray", "pump", "plug"])
+    if kind == "plug":
+        faucet.frame.add("other_leaf", cylinder(0.8 * radius, 0.2 * tall, "y", (x, 0.45 * tall, 0), 16))
+    elif kind == "spray":
+        body = cylinder(radius, tall, "y", (x, 0.2 * tall + 0.5 * tall, 0), 14, top_radius=radius * draw.between(0.8, 1.4))
+        node = faucet.unit.add(draw.pick(["head", "spray"]), body)
+        faucet.links.append(Link("head", [node], faucet.base, slider(Y, 0.0, tall * draw.between(0.8, 2.0))))
+    else:
+        rod = cylinder(0.4 * radius, tall, "y", (x, 0.3 * tall + 0.5 * tall, 0), 10)
+        nozzle = box((0.7 * radius, 0.5 * radius, 4 * radius), (x, 1.3 * tall, 1.5 * radius))
+        node = faucet.unit.add(draw.pick(["switch", "other"]), rod, nozzle)
+        faucet.links.append(Link("slider", [node], faucet.base, slider(-Y, 0.0, 0.3 * tall)))
 
 
 def _wall_tap(faucet: _Faucet) -> None:

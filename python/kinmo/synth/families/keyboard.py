@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.synth.details.controls import dial
+from kinmo.synth.details.controls import CAP_LOOKS, KEY_FORMS, dial, key_cap, key_parts
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import ORIGIN, X, Y, Z, box, cylinder, extrude, facing, rotation_about, rounded_box
+from kinmo.synth.primitives import ORIGIN, X, Y, Z, box, cylinder, facing, rotation_about, rounded_box, transform
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
 
@@ -36,11 +36,11 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _keys(draw: Draw, root: Node, base: Link, columns: int, rows: int, pitch: float, top: float) -> list[Link]:
-    """Square keys with some wide ones in the last row; caps are boxes, or tapered."""
+    """Square keys with some wide ones in the last row, of any look of keys, so that no look tells whether keys move."""
     tall, gap = draw.between(0.02, 0.09), draw.between(0.06, 0.3) * pitch
     travel = draw.between(0.3, 1.0) * tall
-    taper = draw.pick([1.0, draw.between(0.7, 0.95)])
-    name = draw.pick(["key", "button"], [3, 1])
+    look, taper = draw.pick(CAP_LOOKS, [4, 5, 2, 1, 1, 1]), draw.between(0.6, 0.95)
+    form, name = draw.pick(KEY_FORMS, [5, 1, 1, 1.5]), draw.pick(["key", "button"], [3, 1])
     inwards = draw.chance(0.5)
     bar = draw.between(3.0, 6.0) if columns > 6 else 2.0
     stepped = draw.chance(0.3)
@@ -53,11 +53,9 @@ def _keys(draw: Draw, root: Node, base: Link, columns: int, rows: int, pitch: fl
         for share in widths:
             wide = share * pitch - gap
             x, low = left + 0.5 * share * pitch, top + (0.02 * (rows - 1 - row) if stepped else 0.0)
-            outline = np.array([[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]]) * (pitch - gap, wide)
-            cap = extrude(outline[::-1], tall, "y", (0, 0.5 * tall, 0))
-            cap.vertices[cap.vertices[:, 1] > 0.5 * tall] *= (taper, 1.0, taper)
-            cap.vertices[:] += (x, low, z)
-            node = root.add(name, cap)
+            cap = key_cap(look, wide, pitch - gap, tall, taper)
+            place = facing(Y, -Z, (x, low, z))
+            node = root.add(name, *(transform(piece, place) for piece in key_parts(draw, form, cap)))
             motion = slider(-Y, 0.0, travel) if inwards else slider(Y, -travel, 0.0)
             links.append(Link("button", [node], base, motion, leaf_name=name))
             left += share * pitch

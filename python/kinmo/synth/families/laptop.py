@@ -7,19 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinmo.core.shape import Mesh
+from kinmo.synth.details.resting_details import add_resting, key_caps
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import (
     X,
     Y,
+    Z,
     box,
     box_between,
     cylinder,
     ellipsoid,
+    facing,
     move,
     rounded_box,
     rounded_path,
     sheet,
     sweep,
+    transform,
     turn,
 )
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge
@@ -46,7 +50,8 @@ class _Plan:
 def build(draw: Draw) -> SynthObject:
     """Laptop, built with the screen upright.
 
-    Most have one or two visible shafts on the hinge line. A rare variant has a mouse beside it, marked as junk.
+    Most have one or two visible shafts on the hinge line. Keys, touchpad buttons, ports, grilles, stickers, screws and feet
+    rest on the base. A rare variant has a mouse beside it, marked as junk.
     """
     plan = _plan(draw)
     root = Node("laptop")
@@ -68,6 +73,10 @@ def build(draw: Draw) -> SynthObject:
         logo = root.add("other")
         logo.add("other_leaf", box((size, size, 0.004), (0.0, middle, plan.screen_front - plan.screen_thickness)))
         moving.append(logo)
+    if draw.chance(0.6):
+        still += _base_details(draw, plan, root.add("other"))
+    if draw.chance(0.3):
+        moving += _screen_details(draw, plan, root.add("other"))
     base = Link("base_side", still, kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY]))
     tilt = draw.pick([draw.between(2.0, 45.0), draw.between(-85.0, 2.0), -90.0, 80.0], [0.84, 0.08, 0.06, 0.02])
     origin = (draw.between(-0.5, 0.5) * plan.width, plan.hinge_y, plan.hinge_z)
@@ -136,44 +145,109 @@ def _fill_base_side(draw: Draw, plan: _Plan, base_side: Node) -> None:
     """Add the base, the keyboard and a touchpad."""
     top = plan.thickness
     frame = [rounded_box((plan.width, top, plan.depth), draw.between(0.005, 0.08), "y", (0.0, 0.5 * top, 0.0))]
-    if draw.chance(0.25):
-        frame += _feet(plan, draw.between(0.02, 0.06))
     keys_depth = plan.depth * draw.between(0.32, 0.45)
     keys_middle = -0.5 * plan.depth + 0.1 * plan.depth + 0.5 * keys_depth
     keys_width = plan.width * draw.between(0.78, 0.94)
-    base_side.add("keyboard", *_keyboard(draw, keys_width, keys_depth, top, keys_middle))
+    if draw.chance(0.25):
+        frame = _base_with_well(plan, keys_width, keys_depth, keys_middle, draw.between(0.3, 0.9) * top)
+    if draw.chance(0.25):
+        frame += _feet(plan, draw.between(0.02, 0.06))
+    _add_keyboard(draw, base_side, keys_width, keys_depth, top, keys_middle)
     if draw.chance(0.85):
         front = keys_middle + 0.5 * keys_depth
         pad_depth = (0.5 * plan.depth - front) * draw.between(0.5, 0.75)
         pad_width = plan.width * draw.between(0.15, 0.35)
         middle = front + 0.5 * (0.5 * plan.depth - front)
-        touchpad = base_side.add("touchpad")
-        touchpad.add("touchpad_surface", box((pad_width, 0.004, pad_depth), (0.0, top, middle)))
-        buttons = draw.integer(0, 2)
+        touchpad, proud = base_side.add("touchpad"), draw.pick([0.004, 0.0015, 0.008])
+        aside = draw.pick([0.0, draw.between(-0.15, 0.1) * plan.width], [3, 1])
+        pad = box((pad_width, proud, pad_depth), (0.0, top, middle))
+        if draw.chance(0.3):
+            pad = rounded_box((pad_width, proud, pad_depth), draw.between(0.01, 0.05), "y", (0.0, top, middle))
+        touchpad.add("touchpad_surface", move(pad, (aside, 0.0, 0.0)))
+        buttons = draw.integer(0, 3)
         for index in range(buttons):
             wide = pad_width / buttons * 0.96
-            x = (index - 0.5 * (buttons - 1)) * pad_width / buttons
+            x = aside + (index - 0.5 * (buttons - 1)) * pad_width / buttons
             touchpad.add("button", box((wide, 0.008, 0.2 * pad_depth), (x, top, middle + 0.62 * pad_depth)))
     base_side.add("base_frame", *frame)
 
 
-def _keyboard(draw: Draw, width: float, depth: float, top: float, middle: float) -> list[Mesh]:
-    """One block, or rows of keys with a wide one in the last row."""
+def _base_with_well(plan: _Plan, width: float, depth: float, middle: float, floor: float) -> list[Mesh]:
+    """Pieces of a base with a well for the keys, whose floor is at the height `floor`."""
+    x, z, top, half = 0.5 * plan.width, 0.5 * plan.depth, plan.thickness, 0.51 * width
+    rear, front = middle - 0.52 * depth, middle + 0.52 * depth
+    return [
+        box_between((-x, 0.0, -z), (x, floor, z)),
+        box_between((-x, floor, -z), (x, top, rear)),
+        box_between((-x, floor, front), (x, top, z)),
+        box_between((-x, floor, rear), (-half, top, front)),
+        box_between((half, floor, rear), (x, top, front)),
+    ]
+
+
+def _add_keyboard(draw: Draw, base_side: Node, width: float, depth: float, top: float, middle: float) -> None:
+    """Add the keyboard: one block, or rows of loose keys, each a piece of one leaf or a leaf of its own."""
     height = draw.between(0.4, 1.0) * KEY_HEIGHT
-    if draw.chance(0.3):
-        return [box((width, height, depth), (0.0, top + 0.5 * height, middle))]
-    rows, columns = draw.integer(4, 6), draw.integer(9, 14)
-    step_x, step_z = width / columns, depth / rows
-    keys = []
-    for row in range(rows):
-        z = middle + (row - 0.5 * (rows - 1)) * step_z
-        if row == rows - 1:
-            keys.append(box((0.4 * width, height, 0.8 * step_z), (0.0, top + 0.5 * height, z)))
-        for column in range(columns):
-            x = (column - 0.5 * (columns - 1)) * step_x
-            if row < rows - 1 or abs(x) > 0.2 * width + 0.5 * step_x:
-                keys.append(box((0.85 * step_x, height, 0.8 * step_z), (x, top + 0.5 * height, z)))
-    return keys
+    if draw.chance(0.15):
+        base_side.add("keyboard", box((width, height, depth), (0.0, top + 0.5 * height, middle)))
+        return
+    # Tall keys stand deeper, so that the closed screen clears them.
+    tall = height * draw.pick([1.0, draw.between(1.0, 3.0)], [2, 1])
+    place = facing(Y, -Z, (0.0, top + height - tall, middle))
+    keys = [[transform(piece, place) for piece in key] for key in key_caps(draw, width, depth, tall)]
+    if draw.chance(0.25):
+        keys.append([box((1.03 * width, 0.2 * height, 1.06 * depth), (0.0, top, middle))])
+    if draw.chance(0.5):
+        base_side.add("keyboard", *(piece for key in keys for piece in key))
+        return
+    keyboard, name = base_side.add("keyboard"), draw.pick(["key", "button", "other_leaf"], [4, 1, 1])
+    for key in keys:
+        keyboard.add(name, *key)
+
+
+def _base_details(draw: Draw, plan: _Plan, above: Node) -> list[Node]:
+    """Leaves of ports at the sides, and of grilles, stickers, lamps, keys, screws and feet on the upper and lower face."""
+    x, top, z = 0.5 * plan.width, plan.thickness, 0.5 * plan.depth
+    nodes: list[Node] = []
+    for side in (-1.0, 1.0):
+        count, size = draw.integer(0, 5), min(draw.between(0.03, 0.08), 1.5 * top)
+        line = np.linspace(draw.between(-0.8, -0.3), draw.between(0.2, 0.7), count) * z
+        frames = [facing(side * X, Y, (side * x, 0.5 * top, at)) for at in line]
+        nodes += add_resting(draw, above, "port", size, frames, alike=False) if frames else []
+
+    def upper(right: float, rear: float) -> np.ndarray:
+        return facing(Y, -Z, (right * x, top, -rear * z))
+
+    def lower(right: float, rear: float) -> np.ndarray:
+        return facing(-Y, Z, (right * x, 0.0, -rear * z))
+
+    corners = [(i, j) for i in (-0.85, 0.85) for j in (-0.85, 0.85)]
+    places_of = {
+        "grille": [upper(i, 0.4) for i in (-0.94, 0.94)] if draw.chance(0.5) else [upper(draw.between(-0.3, 0.3), 0.9)],
+        "sticker": [upper(draw.pick([-0.75, 0.75]) + 0.1 * i, -draw.between(0.5, 0.8)) for i in range(draw.integer(1, 3))],
+        "lamp": [upper(draw.between(-0.8, 0.4) + 0.05 * i, draw.pick([-0.93, 0.92])) for i in range(draw.integer(1, 5))],
+        "key": [upper(draw.between(-0.9, 0.6) + 0.07 * i, 0.91) for i in range(draw.integer(1, 5))],
+        "screw": [lower(*at) for at in (*corners, (0.0, 0.85), (0.0, -0.85), (-0.4, 0.0), (0.4, 0.0))[: draw.integer(4, 8)]],
+        "foot": [lower(0.98 * i, 0.9 * j) for i, j in corners],
+    }
+    sizes = {"grille": (0.04, 0.07), "sticker": (0.05, 0.15), "lamp": (0.01, 0.03), "key": (0.02, 0.05)}
+    for kind, places in places_of.items():
+        if draw.chance(0.4):
+            nodes += add_resting(draw, above, kind, draw.between(*sizes.get(kind, (0.02, 0.06))), places)
+    return nodes or add_resting(draw, above, "sticker", 0.1, [upper(-0.8, -0.7)])
+
+
+def _screen_details(draw: Draw, plan: _Plan, above: Node) -> list[Node]:
+    """Leaves of bumpers, lamps or a sticker on the frame of the screen."""
+    half, low, high = 0.44 * plan.width, plan.screen_bottom + 0.02, plan.screen_top - 0.015
+    if draw.chance(0.5):
+        spots = [(s * half, y) for s in (-1.0, 1.0) for y in (low, high)] + ([(0.3 * half, high)] if draw.chance(0.5) else [])
+        kind = draw.pick(["foot", "screw"])
+    else:
+        kind, at = draw.pick(["sticker", "lamp", "grille"]), draw.between(-0.3, 0.3) * half
+        spots = [(at, low)] if kind != "lamp" else [(at + 0.05 * i, low) for i in range(draw.integer(1, 4))]
+    size = draw.between(0.012, 0.03)
+    return add_resting(draw, above, kind, size, [facing(Z, Y, (x, y, plan.screen_front)) for x, y in spots])
 
 
 def _add_shafts(draw: Draw, plan: _Plan, connector: Node) -> None:

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.synth.details.appliances import add_dial, add_feet, appliance_casing, rectangular_frame
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
+from kinmo.synth.details.resting_details import add_body_details
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box, box_between, cylinder, rounded_box, sheet, turn
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
@@ -42,6 +44,8 @@ def build(draw: Draw) -> SynthObject:
         links += _turntable(draw, body, base, middle, float(low[1]) + wall, room * draw.between(0.25, 0.42))
     if draw.chance(0.5):
         base.nodes.append(add_feet(draw, root, x, z, -y))
+    if draw.chance(0.25):
+        base.nodes += add_body_details(draw, root, (-x, -y, -z), (x, y, z))
     return SynthObject("Microwave", root, links)
 
 
@@ -70,7 +74,8 @@ def _door(
         length = draw.between(0.3, 0.85) * size[1 if upright else 0]
         inset = draw.between(0.25, 0.6) * rim
         at = (middle[0] - out[0] * (0.5 * size[0] - inset), middle[1] - out[1] * (0.5 * size[1] - inset), back + thickness)
-        node.add("handle", *pull(draw, length, at, vertical=upright, thickness=draw.ratio(0.02, 0.08)))
+        node.add("handle", *pull(draw, length, at, vertical=upright, thickness=draw.ratio(0.02, 0.08), room=1.5 * rim))
+    add_fittings(draw, node, low[:2], high[:2], back + thickness, "" if side == "drawer" else side)
     if side == "drawer":
         tub = box_between((*(low[:2] + 0.1 * size[:2]), z - 0.8 * depth), (*(low[:2] + (0.9, 0.5) * size[:2]), z))
         node.add("drawer_box", tub)

@@ -7,8 +7,10 @@ from itertools import pairwise
 import numpy as np
 
 from kinmo.synth.details.appliances import add_dial, add_feet, appliance_casing, rectangular_frame
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
+from kinmo.synth.details.resting_details import add_body_details
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box, box_between, cylinder, sheet, torus
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
@@ -54,6 +56,8 @@ def build(draw: Draw) -> SynthObject:
             links.append(_cover(draw, root, base, x, y, z))
     if draw.chance(0.3):
         base.nodes.append(add_feet(draw, root, x, z, -y))
+    if draw.chance(0.25):
+        base.nodes += add_body_details(draw, root, (-x, -y, -z), (x, y, z))
     return SynthObject("Oven", root, links)
 
 
@@ -107,8 +111,10 @@ class _Look:
         if self.has_handle:
             inset = draw.between(0.5, 0.9) * rim
             foot = (center[0] - out[0] * (0.5 * wide - inset), center[1] - out[1] * (0.5 * tall - inset), front)
-            length = self.grip * (tall if upright else wide)
-            node.add("handle", *pull(draw, length, foot, vertical=upright, thickness=self.rod, reach=2.2 * self.rod))
+            length, rod = self.grip * (tall if upright else wide), self.rod
+            grip = pull(draw, length, foot, vertical=upright, thickness=rod, reach=2.2 * rod, room=1.5 * rim)
+            node.add("handle", *grip)
+        add_fittings(draw, node, low, high, front, side)
         opens = draw.pick([90.0, draw.between(70.0, 100.0)]) if not upright else draw.pick([90.0, 110.0, 170.0])
         rest = draw.between(0.2, 1.0) * opens if draw.chance(0.12) else 0.0
         deep, inward = back + self.thickness * draw.pick([0.0, 0.2, 0.6]), draw.pick([0.0, draw.between(0.0, 0.04)])
@@ -150,7 +156,8 @@ def _drawer(draw: Draw, body: Node, base: Link, x: float, low: float, high: floa
     if draw.chance(0.6):
         node.add("drawer_box", box_between((-0.9 * x, low + 0.02, z - 0.8 * depth), (0.9 * x, high - 0.04, z)))
     if draw.chance(0.6):
-        node.add("handle", *pull(draw, x, (0, high - 0.04, z + 0.04), vertical=False, thickness=0.025))
+        node.add("handle", *pull(draw, x, (0, high - 0.04, z + 0.04), vertical=False, thickness=0.025, room=high - low))
+    add_fittings(draw, node, (-x, low), (x, high), z + 0.04)
     return Link("drawer", [node], base, slider((0, 0, 1), 0, draw.between(0.4, 0.7) * depth))
 
 

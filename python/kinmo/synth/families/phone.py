@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from kinmo.synth.details.keypads import keypad, side_keys
+from kinmo.synth.details.resting_details import add_resting, let_rest
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, Y, box, cylinder, rotation_about, rounded_box
+from kinmo.synth.primitives import X, Y, Z, box, cylinder, facing, rotation_about, rounded_box
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
+
+RESTING_KEYS_SHARE = 0.3
+"""Share of phones with a moving half whose keys do not move."""
 
 
 def build(draw: Draw) -> SynthObject:
     """Phone.
 
     Variants: a bar phone, a flip phone (one half hinged), a slide phone (a cover slides), and a smartphone with one button.
-    Keys slide in. Built standing, keys to +z.
+    Keys mostly slide in. Ports, grilles, lamps and stickers rest. Built standing, keys to +z.
     """
     kind = draw.pick(["bar", "flip", "slide", "smart"], [2, 3, 2, 2])
     width, height, depth = draw.between(0.35, 0.6), draw.between(0.9, 1.5), draw.between(0.06, 0.22)
@@ -28,7 +34,11 @@ def build(draw: Draw) -> SynthObject:
     else:
         whole = kind in ("flip", "slide")
         share = draw.between(0.75, 0.95) if whole else draw.between(0.4, 0.55)
-        links += keypad(draw, base, width, height, front, share)
+        keys = keypad(draw, base, width, height, front, share)
+        if whole and draw.chance(RESTING_KEYS_SHARE):
+            let_rest(keys, base)
+        else:
+            links += keys
         if kind == "bar":
             body.pieces.append(box((0.8 * width, 0.3 * height, 0.006), (0, 0.3 * height, front)))
     if kind == "flip":
@@ -40,10 +50,26 @@ def build(draw: Draw) -> SynthObject:
         links.append(Link("slider", [cover], base, slider(Y, 0.0, travel, rest=rest)))
     if draw.chance(0.5):
         links += side_keys(draw, base, width, height)
+    if draw.chance(0.4):
+        base.nodes += _details(draw, (width, height, depth))
     shape = SynthObject.flat("Phone", links)
     if draw.chance(0.3):
         shape.move(rotation_about(X, -90.0))
     return shape
+
+
+def _details(draw: Draw, size: tuple[float, float, float]) -> list[Node]:
+    """Leaves of ports in the lower end, and of lenses, stickers and grilles on the back."""
+    group, (x, y, z) = Node("details"), 0.5 * np.array(size)
+    for kind, wide in (("port", 0.3), ("grille", 0.25), ("lamp", 0.12), ("sticker", 0.5), ("screw", 0.06)):
+        if kind == "port":
+            frames = [facing(-Y, Z, (right * x, -y, 0)) for right in draw.pick([(0.0,), (-0.5, 0.1), (-0.5, 0.0, 0.5)])]
+        else:
+            above, right = draw.between(-0.85, 0.85) * y, draw.between(-0.5, 0.5) * x
+            frames = [facing(-Z, Y, (right, above - 0.2 * index * x, -z)) for index in range(draw.integer(1, 3))]
+        if draw.chance(0.5):
+            add_resting(draw, group, kind, min(wide * x, 1.2 * z) if kind == "port" else wide * x, frames)
+    return group.children
 
 
 def _flap(draw: Draw, base: Link, width: float, height: float, depth: float) -> Link:

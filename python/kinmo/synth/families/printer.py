@@ -7,9 +7,13 @@ from itertools import pairwise
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.keypads import add_keypad
+from kinmo.synth.details.resting_details import add_body_details, let_rest
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, Y, Z, box, box_between, facing, rotation, rounded_box, turn
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
+
+RESTING_KEYS_SHARE = 0.3
+"""Share of control panels whose keys do not move, on printers with other joints."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,7 @@ class _Case:
 def build(draw: Draw) -> SynthObject:
     """Printer with a cover that folds up, trays that slide or fold out, and a paper support that tips or slides.
 
-    Keys slide in, and the control panel may tip.
+    Keys mostly slide in, and the control panel may tip.
     """
     case = _Case(draw.between(0.4, 0.75), draw.between(0.3, 0.6), draw.between(0.25, 0.9))
     root = Node("Printer")
@@ -41,7 +45,10 @@ def build(draw: Draw) -> SynthObject:
     for low, high in pairwise(levels):
         links.append(draw.pick([_sliding_tray, _folding_tray])(draw, root, base, case, low, high - 0.02))
     if draw.chance(0.8) or len(links) == 1:
-        links += _panel(draw, root, base, case)
+        rests = len(links) > 1 and draw.chance(RESTING_KEYS_SHARE)
+        links += _panel(draw, root, base, case, keys_rest=rests)
+    if draw.chance(0.4):
+        base.nodes += add_body_details(draw, root, (-case.x, 0.0, -case.z), (case.x, case.top, case.z))
     return SynthObject("Printer", root, links)
 
 
@@ -116,7 +123,7 @@ def _folding_tray(draw: Draw, root: Node, base: Link, case: _Case, low: float, h
     return Link("tray", [root.add(draw.pick(["tray", "door", "lid"]), flap)], base, hinge(axis, X, 0.0, opens, rest=rest))
 
 
-def _panel(draw: Draw, root: Node, base: Link, case: _Case) -> list[Link]:
+def _panel(draw: Draw, root: Node, base: Link, case: _Case, *, keys_rest: bool) -> list[Link]:
     """A control panel with keys at the upper front edge, at any angle; the panel itself may tip."""
     wide, tall = case.x * draw.between(0.3, 1.2), draw.between(0.1, 0.25)
     panel = root.add("panel", box((wide, tall, 0.03), (0, 0, 0.015)))
@@ -140,4 +147,7 @@ def _panel(draw: Draw, root: Node, base: Link, case: _Case) -> list[Link]:
     place = facing(normal, rotation(X, -lean) @ Y, at)
     for link in [*loose, *keys]:
         link.move(place)
+    if keys_rest:
+        let_rest(keys, owner)
+        return links
     return links + keys

@@ -8,8 +8,10 @@ import numpy as np
 
 from kinmo.synth.details.appliances import add_feet, appliance_casing
 from kinmo.synth.details.casework_extras import add_lift_top
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
+from kinmo.synth.details.resting_details import add_body_details
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, box, box_between, cylinder, move, open_box, rounded_box, sheet, turn
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
@@ -57,6 +59,8 @@ def build(draw: Draw) -> SynthObject:
         links += _dispenser(draw, body, draw.pick(doors), z)
     if draw.chance(0.5):
         base.nodes.append(add_feet(draw, root, x, z, -y))
+    if draw.chance(0.25):
+        base.nodes += add_body_details(draw, root, (-x, -y, -z), (x, y, z))
     return SynthObject("Refrigerator", root, links)
 
 
@@ -106,6 +110,7 @@ def _panel(draw: Draw, node: Node, cell: Cell, back: float, thickness: float) ->
     panel = node.add("door_frame", slab)
     if draw.chance(0.3):
         panel.pieces.append(box((0.96 * size[0], 0.97 * size[1], 0.01), (at[0], at[1], back - 0.005)))
+    add_fittings(draw, node, (left, low), (right, high), back + thickness, cell[4] if cell[4] in ("left", "right") else "")
     if draw.chance(0.15):
         logo = (at[0], high - 0.12 * size[1], back + thickness + 0.002)
         node.add("other").add("other_leaf", sheet((0.15 * size[0], 0.02), logo, "z"))
@@ -127,7 +132,8 @@ def _door(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness: f
         margin = draw.between(0.03, 0.18) * width + (0.5 * length if level else 0.0)
         x = edge - out * (width - margin)
         y = (low + high) / 2 + draw.between(-0.5, 0.5) * (height - length)
-        node.add("handle", *pull(draw, length, (x, y, back + thickness), vertical=not level, thickness=thick, reach=reach))
+        foot, room = (x, y, back + thickness), 0.4 * min(width, height)
+        node.add("handle", *pull(draw, length, foot, vertical=not level, thickness=thick, reach=reach, room=room))
     if draw.chance(0.3):
         for row in range(draw.integer(1, 3)):
             shelf = box((0.75 * width, 0.06, 0.1), ((left + right) / 2, low + (row + 0.7) * height / 4, back - 0.05))
@@ -158,7 +164,8 @@ def _drawer(draw: Draw, body: Node, base: Link, cell: Cell, z: float, thickness:
         node.add("drawer_box", move(tub, (middle, low + 0.02 + tall / 2, z - deep / 2)))
     if handles:
         at = (middle, high - draw.between(0.05, 0.6) * (high - low), z + thickness)
-        node.add("handle", *pull(draw, draw.between(0.2, 0.9) * (right - left), at, vertical=False, thickness=0.03))
+        long = draw.between(0.2, 0.9) * (right - left)
+        node.add("handle", *pull(draw, long, at, vertical=False, thickness=0.03, room=high - low))
     travel = draw.between(0.4, 0.75) * depth
     rest = travel * draw.between(0.2, 0.9) if draw.chance(0.12) else 0.0
     return Link("drawer", [node], base, slider((0, 0, 1), 0, travel, rest=rest))

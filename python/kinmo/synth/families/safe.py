@@ -7,10 +7,12 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.appliances import frame_bars
 from kinmo.synth.details.door_locks import add_door_lock
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.keypads import add_keypad
+from kinmo.synth.details.resting_details import add_body_details, let_rest
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, box, box_between, cylinder, rotation_about, rounded_box
+from kinmo.synth.primitives import X, box, box_between, cylinder, open_box, rotation_about, rounded_box
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
 _HARDWARE = [
@@ -41,6 +43,8 @@ _SIZES = {
 
 FIXED_LOCK_SHARE = 0.08
 """Share of locks that do not move."""
+RESTING_KEYS_SHARE = 0.2
+"""Share of keypads whose keys do not move."""
 INSET, OVERLAID = "inset", "overlaid"
 """Doors that fit into the casing's front, and doors that lie on it."""
 
@@ -76,6 +80,8 @@ def build(draw: Draw) -> SynthObject:
             _locks(draw, root, links, door, middle, towards, right - left, tall, face)
     if draw.chance(0.2):
         links += _inside(draw, root, base, half, tall, front - thickness, depth - wall - thickness)
+    if draw.chance(0.3):
+        base.nodes += add_body_details(draw, root, (-width / 2, -height / 2, -front), (width / 2, height / 2, front))
     shape = SynthObject("Safe", root, links)
     if height < width and draw.chance(0.15):
         # The door is on top: a cash box or a floor safe.
@@ -101,6 +107,13 @@ def _door(
             cylinder(0.02, 0.08, "x", (middle - out[0] * (wide / 2 + 0.02), y * tall, face - thickness * 0.6))
             for y in (-0.25, 0.0, 0.25)
         ]
+    if draw.chance(0.2) and upright:
+        # Bolts stand out of the edge opposite to the hinge.
+        bolt, reach = 0.3 * min(thickness, 0.1), draw.between(0.01, 0.05)
+        edge = middle - out[0] * (0.5 * wide + 0.5 * reach)
+        levels = np.linspace(-0.35, 0.35, draw.integer(2, 5)) * tall
+        bolts = [cylinder(bolt, reach, "x", (edge, level, face - 0.5 * thickness), 10) for level in levels]
+        node.pieces += bolts
     inward = draw.between(0.0, 0.04)
     deep = face - draw.pick([0.0, inward, thickness])
     at = (middle + out[0] * (wide / 2 - inward), out[1] * (tall / 2 - inward), deep)
@@ -114,7 +127,9 @@ def _door(
             base.nodes[0].pieces += barrels
         else:
             base.nodes.append(root.add("hinge", *barrels))
-    return Link("door", [node], base, hinge(at, axis, 0, opens, rest=rest))
+    corners = (left, -0.5 * tall), (right, 0.5 * tall)
+    fittings = add_fittings(draw, root, *corners, face, side)
+    return Link("door", [node, *fittings], base, hinge(at, axis, 0, opens, rest=rest))
 
 
 def _inside(draw: Draw, root: Node, base: Link, half: float, tall: float, front: float, depth: float) -> list[Link]:
@@ -138,6 +153,8 @@ def _inside(draw: Draw, root: Node, base: Link, half: float, tall: float, front:
 def _casing(draw: Draw, width: float, height: float, depth: float, wall: float, recess: float) -> list[Mesh]:
     """Five walls of a box open to the front. The back may be a solid block behind the door."""
     x, y, z = width / 2, height / 2, depth / 2
+    if draw.chance(0.15):
+        return [open_box((-x, -y, -z), (x, y, z), wall)]
     walls = frame_bars(np.array([-x, -y, -z]), np.array([x, y, z]), wall)
     if draw.chance(0.3):
         back = box_between((-x + wall, -y + wall, -z), (x - wall, y - wall, z - recess))
@@ -179,12 +196,21 @@ def _locks(
         if kind == "keypad":
             foot, pad = (x, y, face), (draw.between(0.25, 0.45) * width, draw.between(0.22, 0.4) * height)
             if draw.chance(0.3):
+                # A display above the keys.
+                shown = box((pad[0], 0.25 * pad[1], 0.01), (x, y + 0.75 * pad[1], face))
+                door.nodes.append(root.add(draw.pick(["screen", "other_leaf"]), shown))
+            if draw.chance(0.3):
                 plate = box((1.2 * pad[0], 1.2 * pad[1], 0.03), (x, y, face + 0.015))
                 door.nodes.append(root.add("frame", plate))
                 foot = (x, y, face + 0.03)
-            links += add_keypad(draw, root, door, foot, pad, "button", lookalikes=False)
+            keys = add_keypad(draw, root, door, foot, pad, "button", lookalikes=False)
+            if draw.chance(RESTING_KEYS_SHARE):
+                let_rest(keys, door)
+            else:
+                links += keys
         elif kind == "grip":
-            grip = pull(draw, draw.between(0.1, 0.35) * height, (x, y, face), vertical=draw.chance(0.7))
+            long = draw.between(0.1, 0.35) * height
+            grip = pull(draw, long, (x, y, face), vertical=draw.chance(0.7), room=0.3 * min(width, height))
             door.nodes.append(root.add("handle", *grip))
         else:
             low, high = _SIZES[kind]

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer, legs
+from kinmo.core.shape import Mesh
+from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer
 from kinmo.synth.details.casework_doors import add_folding_door, add_parts_behind, add_sliding_doors
 from kinmo.synth.details.casework_extras import add_casters, add_false_front, add_pullout
 from kinmo.synth.details.posture import turn_about_up
+from kinmo.synth.details.table_supports import add_apron, add_column, add_supports
 from kinmo.synth.details.table_tops import add_desk_top, add_moving_top
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import Y, box, box_between, cylinder, extrude, open_box, rotation_about, rounded_box
@@ -34,9 +36,9 @@ def build(draw: Draw) -> SynthObject:
 
     Variants: a row of drawers under the top, a stand of drawers, a desk with pedestals, a hutch or a roll top, and a table
     whose top lifts, folds, turns, tilts, extends or rises. Drop leaves and doors turn. Drawers and trays slide forward,
-    to the rear or to the ends.
+    to the rear or to the ends. Some tables have no joint at all: legs, aprons, shelves, false fronts.
     """
-    kind = draw.pick(["apron", "stand", "pedestal", "cabinet", "open"], [5, 3, 3, 1, 1.2])
+    kind = draw.pick(["apron", "stand", "pedestal", "cabinet", "open", "still"], [5.5, 3, 4, 1, 1.2, 1.3])
     width = draw.ratio(0.9, 2.4) if kind == "pedestal" else draw.ratio(0.4, 2.0)
     size = _Size(width / 2, draw.ratio(0.35, 1.4), draw.ratio(0.2, 0.7), draw.ratio(0.015, 0.08))
     root = Node("table")
@@ -46,16 +48,16 @@ def build(draw: Draw) -> SynthObject:
     if kind == "open":
         add_moving_top(draw, inner, base, links, (size.x, size.y, size.z), size.board)
     else:
-        _add_top(draw, inner, base, links, size)
+        _add_top(draw, inner, base, links, size, may_drop=kind != "still")
     parent = inner.add("table_base") if draw.chance(0.5) else inner
     drawers = parent.add("drawer_base")
-    furnish = {"apron": _apron, "stand": _stand, "pedestal": _pedestal, "cabinet": _stand, "open": _frame}
+    furnish = {"apron": _apron, "stand": _stand, "pedestal": _pedestal, "cabinet": _stand, "open": _frame, "still": _still}
     furnish[kind](draw, drawers, links, size)
     owned = {node for link in links for top in link.nodes for node in top.walk()}
     base.nodes += [node for child in drawers.children for node in _free(child, owned)]
-    if len(links) == 1:  # only false fronts and open spaces: the table rolls
+    if len(links) == 1 and kind != "still" and draw.chance(0.5):  # only false fronts and open spaces: the table rolls
         links += add_casters(draw, inner, base, 0.9 * size.x, 0.9 * size.z, 0.0, always_moves=True)
-    if kind != "open" and size.x > 0.4 and draw.chance(0.15):
+    if kind not in ("open", "still") and size.x > 0.4 and draw.chance(0.15):
         add_desk_top(draw, inner, base, links, (size.x, size.y + 2 * size.board, size.z), size.board)
     shape = SynthObject("Table", root, links)
     if draw.chance(TURNED_SHARE):
@@ -63,30 +65,37 @@ def build(draw: Draw) -> SynthObject:
     return shape
 
 
-def _add_top(draw: Draw, inner: Node, base: Link, links: list[Link], size: _Size) -> None:
-    """Add the board, sometimes with a frame around it or a drop leaf at each end."""
+def _add_top(draw: Draw, inner: Node, base: Link, links: list[Link], size: _Size, *, may_drop: bool) -> None:
+    """Add the board or planks, sometimes with a frame around it or a drop leaf at each end."""
     over, thickness = draw.pick([draw.between(0.0, 0.12), draw.between(0.12, 0.3)], [4, 1]), 2 * size.board
     thickness *= draw.ratio(0.3, 1.0)
     width, depth = 2 * (size.x + over), 2 * (size.z + draw.between(0.0, 0.08))
     top = inner.add("tabletop")
     at = (0, size.y + thickness / 2, 0)
-    look = draw.pick(["box", "rounded", "oval"], [6, 2, 1])
+    look = draw.pick(["box", "rounded", "oval", "planks"], [6, 2, 1, 0.7])
+    boards: list[Mesh] = []
     if look == "box":
-        board = box((width, thickness, depth), at)
+        boards = [box((width, thickness, depth), at)]
+    elif look == "planks":
+        count = draw.integer(3, 8)
+        pitch, share = depth / count, draw.pick([1.0, draw.between(0.85, 0.98)])
+        places = (np.arange(count) + 0.5) * pitch - 0.5 * depth
+        boards = [box((width, thickness, share * pitch), (0, at[1], place)) for place in places]
     elif look == "rounded":
-        board = rounded_box((width, thickness, depth), draw.between(0.02, 0.3), "y", at)
+        boards = [rounded_box((width, thickness, depth), draw.between(0.02, 0.3), "y", at)]
     else:
         around = np.linspace(0, 2 * np.pi, 32, endpoint=False)
-        board = extrude(np.stack([0.55 * depth * np.cos(around), 0.55 * width * np.sin(around)], axis=1), thickness, "y", at)
+        outline = np.stack([0.55 * depth * np.cos(around), 0.55 * width * np.sin(around)], axis=1)
+        boards = [extrude(outline, thickness, "y", at)]
     surface = top.add("tabletop_surface")
-    base.nodes.append(surface.add("board", board))
+    base.nodes.append(surface.add("board", *boards))
     if draw.chance(0.2):
         frame = top.add("tabletop_frame")
         base.nodes.append(frame)
         for side in (-1, 1):
             frame.add("bar", box((width, thickness, 0.03), (0, at[1], side * (depth / 2 + 0.015))))
             frame.add("bar", box((0.03, thickness, depth), (side * (width / 2 + 0.015), at[1], 0)))
-    elif look == "box" and draw.chance(0.08):
+    elif may_drop and look == "box" and draw.chance(0.08):
         leaves, reach = top.add("tabletop_dropleaf"), draw.between(0.2, 0.4)
         for out in (-1.0, 1.0):
             x = out * width / 2
@@ -145,20 +154,6 @@ def _row(
             node.add("vertical_divider_panel", divider)
 
 
-def _add_legs(draw: Draw, node: Node, size: _Size, high: float, thickness: float) -> None:
-    """Add four legs, sometimes with stretchers and a shelf between them."""
-    for leg in legs(draw, size.x - thickness / 2, size.z - thickness / 2, 0, high, thickness):
-        node.add("leg", leg)
-    if draw.chance(0.5):
-        y, half = draw.between(0.08, 0.4) * size.y, thickness / 3
-        for side in (-1, 1):
-            node.add("bar_stretcher", box((half, half, 2 * (size.z - thickness)), (side * (size.x - thickness / 2), y, 0)))
-            if draw.chance(0.5):
-                node.add("bar_stretcher", box((2 * (size.x - thickness), half, half), (0, y, side * (size.z - thickness / 2))))
-        if draw.chance(0.5):
-            node.add("shelf", box((2 * size.x - thickness, 0.6 * half, 2 * size.z - thickness), (0, y + half, 0)))
-
-
 def _connectors(draw: Draw, node: Node, size: _Size) -> None:
     """Add battens under the top."""
     for side in (-1, 1):
@@ -170,7 +165,7 @@ def _connectors(draw: Draw, node: Node, size: _Size) -> None:
 def _frame(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
     """Legs and rails below a moving top, sometimes with a pull-out board or casters."""
     thickness = draw.between(1.2, 2.6) * size.board + 0.02
-    _add_legs(draw, node, size, size.y, thickness)
+    add_supports(draw, node, size.x, size.z, size.y, thickness)
     rail = draw.between(0.03, 0.15) * size.y
     half = size.x - thickness
     for side in (-1, 1):
@@ -184,12 +179,12 @@ def _frame(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
 
 def _apron(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
     """Legs with one row of drawers between them under the top."""
-    height = draw.ratio(0.08, 0.45) * min(1.0, size.y)
+    height = draw.ratio(0.05, 0.45) * min(1.0, size.y)
     low = size.y - height
     facings = draw.pick([(1.0,), (-1.0,), (1.0, -1.0)], [10, 1, 1])
     at_ends = draw.chance(0.12)
     thickness = draw.between(1.2, 2.6) * size.board + 0.02
-    _add_legs(draw, node, size, size.y, thickness)
+    add_supports(draw, node, size.x, size.z, size.y, thickness)
     if at_ends:
         _end_drawers(draw, node, links, size, low)
         return
@@ -201,7 +196,36 @@ def _apron(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
         front = box_between((-edge, low, size.z - size.board), (edge, low + 0.2 * height, size.z))
         node.add("vertical_front_panel", front)
         low += 0.2 * height
+    if draw.chance(0.2):
+        # Fixed boards beside the drawers.
+        aside = draw.between(0.1, 0.3) * 2 * edge
+        for side in (-1, 1):
+            near, far = sorted((side * (edge - aside), side * edge))
+            node.add("vertical_front_panel", box_between((near, low, size.z - size.board), (far, size.y, size.z)))
+        edge -= aside
+    if draw.chance(0.12):
+        _two_sided(draw, node, links, (-edge, low), (edge, size.y), size)
+        return
     _row(draw, node, links, (-edge, low), (edge, size.y), size, draw.pick([1, 2, 3, 4], [7, 3, 2, 1]), facings)
+
+
+def _two_sided(
+    draw: Draw, node: Node, links: list[Link], low: tuple[float, float], high: tuple[float, float], size: _Size
+) -> None:
+    """Add drawers to the front and to the rear of a table, back to back, between two corners (x, y)."""
+    half = _Size(size.x, size.y, 0.5 * size.z, size.board)
+    for angle in (0.0, 180.0):
+        own: list[Link] = [links[0]]
+        group = node.add("drawer_base")
+        _row(draw, group, own, low, high, half, draw.pick([1, 2], [3, 1]))
+        place = rotation_about(Y, angle)
+        place[:3, 3] = place[:3, :3] @ (0, 0, 0.5 * size.z)
+        moving = Link("drawers", [group])
+        moving.move(place)
+        for link in own[1:]:
+            assert link.motion is not None
+            link.motion = link.motion.moved_by(place)
+        links += own[1:]
 
 
 def _end_drawers(draw: Draw, node: Node, links: list[Link], size: _Size, low: float) -> None:
@@ -225,8 +249,7 @@ def _stand(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
     low = draw.pick([0.0, draw.between(0.05, 0.5) * size.y], [1, 2])
     _shell(draw, node, (-size.x, low), (size.x, size.y), size)
     if low > 0:
-        size_legs = _Size(size.x, low, size.z, size.board)
-        _add_legs(draw, node, size_legs, low, draw.between(0.03, 0.1))
+        add_supports(draw, node, size.x, size.z, low, draw.between(0.03, 0.1))
     edge, board = size.x - size.board, size.board
     count = draw.pick([1, 2, 3, 4], [4, 4, 2, 1])
     height = (size.y - low - board) / count
@@ -259,8 +282,9 @@ def _pedestal(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
         _shell(draw, node, (left, low), (right, size.y), size)
         _column(draw, node, links, left + size.board, right - size.board, low, size)
         if low:
-            for z in (-0.8, 0.8):
-                node.add("foot", cylinder(0.025, low, "y", ((left + right) / 2, low / 2, z * size.z), 12))
+            for x in (left + size.board / 2, right - size.board / 2):
+                for z in (-0.8, 0.8):
+                    node.add("foot", cylinder(min(0.025, size.board), low, "y", (x, low / 2, z * size.z), 12))
     free_left = -size.x + (width if -1.0 in sides else size.board)
     free_right = size.x - (width if 1.0 in sides else size.board)
     between = draw.pick(["none", "drawer", "tray"], [4, 4, 2])
@@ -273,6 +297,32 @@ def _pedestal(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
     if draw.chance(0.6):
         back = box_between((free_left, 0.4 * size.y, -size.z), (free_right, size.y, -size.z + size.board))
         node.add("back_panel", back)
+
+
+def _still(draw: Draw, node: Node, links: list[Link], size: _Size) -> None:
+    """Supports without drawers, with an apron, an open shelf space or false fronts; nothing moves."""
+    thickness = draw.between(1.2, 2.6) * size.board + 0.02
+    if draw.chance(0.2):
+        add_column(draw, node, size.x, size.z, size.y, thickness)
+        return
+    add_supports(draw, node, size.x, size.z, size.y, thickness)
+    low = size.y - draw.ratio(0.05, 0.35) * size.y
+    form = draw.pick(["apron", "false", "space", "none"], [4, 2, 2, 2])
+    edge = size.x - 0.5 * thickness
+    if form == "none":
+        return
+    if form == "space":
+        _shell(draw, node, (-edge, low), (edge, size.y), size)
+        node.add("shelf", box_between((-edge, low, -size.z + size.board), (edge, low + 0.5 * size.board, size.z)))
+        return
+    add_apron(draw, node, edge, size.z - 0.2 * thickness, low, size.y, 0.6 * size.board)
+    if form == "false":
+        fronts, count = Fronts.random(draw, size.board), draw.integer(1, 4)
+        width = 2 * edge / count
+        for index in range(count):
+            x = -edge + (index + 0.5) * width
+            opening = Opening(x, 0.5 * (low + size.y), 0.9 * width, 0.9 * (size.y - low), size.z, size.z)
+            add_false_front(draw, node, links[0], opening, fronts)
 
 
 def _column(draw: Draw, node: Node, links: list[Link], left: float, right: float, low: float, size: _Size) -> None:

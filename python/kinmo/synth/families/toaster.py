@@ -8,6 +8,8 @@ import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import button, dial
+from kinmo.synth.details.handles import knob_handle, pull
+from kinmo.synth.details.resting_details import add_body_details
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import (
     X,
@@ -58,21 +60,24 @@ def build(draw: Draw) -> SynthObject:
     body = Node("base_body", pieces=_body(draw, plan))
     base = Link("base_body", [body], kind=draw.pick([JointType.FREE, JointType.STATIC, JointType.HEAVY], [4, 1, 1]))
     links = [base, *_end_controls(draw, plan, base, body)]
-    if draw.chance(0.12):
-        tray = Node("tray", pieces=[box((0.8 * plan.width, 0.03, 0.9 * plan.length), (0, -0.01, 0.03))])
-        if draw.chance(0.5):
-            tray.pieces.append(box((0.3 * plan.width, 0.05, 0.05), (0, 0.0, plan.front)))
-        out = slider((0, 0, 1), 0.0, 0.6 * plan.length, rest=draw.pick([0.0, draw.between(0.0, 0.4)], [3, 1]))
-        links.append(Link("tray", [tray], base, out))
+    if draw.chance(0.3):
+        links.append(_crumb_tray(draw, plan, base))
     if draw.chance(0.3):
         links += _racks(draw, plan, base)
     elif draw.chance(0.15):
         links.append(_top_part(draw, plan, base))
+    if draw.chance(0.4):
+        half = (0.5 * plan.width, plan.front)
+        base.nodes += add_body_details(draw, Node("details"), (-half[0], 0.0, -half[1]), (half[0], plan.height, half[1]))
+    if draw.chance(0.15):
+        base.nodes += _side_grips(draw, plan)
     return SynthObject.flat("Toaster", links)
 
 
 def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
-    """A block with bars between the slots on top."""
+    """A block with bars between the slots on top, or a solid body with shallow slots."""
+    if draw.chance(0.25):
+        return _solid_body(draw, plan)
     deep = plan.height * draw.between(0.4, 0.9)
     floor = plan.height - deep
     wall = draw.between(0.06, 0.15) * plan.width
@@ -104,6 +109,56 @@ def _body(draw: Draw, plan: _Plan) -> list[Mesh]:
         slice_size = (0.6 * opening, 0.5 * plan.height, 0.5 * plan.length)
         pieces.append(box(slice_size, (-0.5 * plan.width + wall + 0.5 * opening, plan.height, 0)))
     return pieces
+
+
+def _solid_body(draw: Draw, plan: _Plan) -> list[Mesh]:
+    """A body without an inside: a block, a loaf with a round top, or one with leaning sides. Plates mark the slots."""
+    low, half = draw.pick([0.0, 0.05 * plan.height]), 0.5 * plan.width
+    form = draw.pick(["block", "loaf", "leaning"])
+    if form == "block":
+        tall = plan.height - low
+        body = rounded_box((plan.width, tall, plan.length), draw.between(0.05, 0.3) * plan.width, "y", (0, low + tall / 2, 0))
+    else:
+        top = half * (draw.between(0.6, 0.9) if form == "leaning" else 1.0)
+        bend = draw.between(0.1, 0.5) * half if form == "loaf" else 0.02
+        turned = np.linspace(0.0, np.pi / 2, 5)
+        arc = np.stack([top - bend + bend * np.cos(turned), plan.height - bend + bend * np.sin(turned)], axis=1)
+        outline = np.concatenate([[(-half, low), (half, low)], arc, arc[::-1] * (-1, 1)])
+        body = extrude(outline, plan.length, "z")
+    pitch, long = 0.8 * plan.width / plan.slots, plan.length * draw.between(0.6, 0.85)
+    places = (np.arange(plan.slots) - 0.5 * (plan.slots - 1)) * pitch
+    wide, proud = pitch * draw.between(0.3, 0.6), draw.pick([0.004, 0.03])
+    if draw.chance(0.5):
+        return [body, *(box((wide, proud, long), (x, plan.height, 0)) for x in places)]
+    rims = [box((0.15 * wide, 2 * proud, long), (x + s * 0.5 * wide, plan.height, 0)) for x in places for s in (-1, 1)]
+    return [body, *rims]
+
+
+def _crumb_tray(draw: Draw, plan: _Plan, base: Link) -> Link:
+    """A tray below or just above the bottom that slides out at an end or a side, with or without a grip."""
+    out, wide, long = draw.pick([(Z, plan.width, plan.length), (X, plan.length, plan.width)], [4, 1])
+    side, y, thin = draw.sign(), draw.pick([-0.01, draw.between(0.02, 0.12) * plan.height]), draw.ratio(0.008, 0.05)
+    place = facing(side * out, Y, (0, y, 0))
+    wide *= draw.between(0.4, 0.9)
+    pieces = [box((wide, thin, 0.9 * long), (0, 0, 0.05 * long))]
+    grip = draw.pick(["none", "lip", "plate", "knob"])
+    if grip == "lip":
+        pieces.append(box((0.4 * wide, 1.5 * thin, 0.05), (0, 0.5 * thin, 0.5 * long)))
+    elif grip == "plate":
+        pieces.append(box((wide, draw.ratio(0.03, 0.1), 0.02), (0, 0.5 * thin, 0.5 * long + 0.01)))
+    elif grip == "knob":
+        pieces += [move(piece, (0, 0, 0.5 * long)) for piece in knob_handle(draw, 0.03, 0.05)]
+    reach = long * draw.between(0.4, 0.85)
+    motion = slider(Z, 0.0, reach, rest=reach * draw.pick([0.0, draw.between(0.1, 0.6)], [3, 1]))
+    node = Node(draw.pick(["tray", "other"], [4, 1]), pieces=[transform(piece, place) for piece in pieces])
+    return Link("tray", [node], base, motion.moved_by(place))
+
+
+def _side_grips(draw: Draw, plan: _Plan) -> list[Node]:
+    """Handles at both sides that are fixed to the body."""
+    grip = pull(draw, draw.between(0.2, 0.6) * plan.length, (0, draw.between(0.5, 0.8) * plan.height, 0), vertical=False)
+    places = [facing(side * X, Y, (side * 0.5 * plan.width, 0, 0)) for side in (-1.0, 1.0)]
+    return [Node("handle", pieces=[transform(piece, place) for piece in grip]) for place in places]
 
 
 def _top_part(draw: Draw, plan: _Plan, base: Link) -> Link:
@@ -207,6 +262,8 @@ def _lever(draw: Draw, plan: _Plan, base: Link, body: Node, x: float, facing: fl
     top = plan.height * draw.between(0.55, 0.9)
     travel = (top - 0.15 * plan.height) * draw.between(0.5, 0.9)
     grip = box((wide, tall, reach), (0, 0, 0.5 * reach + 0.02))
+    taper = draw.between(0.4, 1.3) if draw.chance(0.3) else 1.0
+    grip.vertices[grip.vertices[:, 2] > 0.5 * reach] *= (taper, taper, 1.0)
     if draw.chance(0.3):
         grip = rounded_box((wide, tall, reach), 0.4 * tall, "x", (0, 0, 0.5 * reach + 0.02))
     elif draw.chance(0.2):

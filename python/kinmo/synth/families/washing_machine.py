@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.synth.details.appliances import add_dial, add_feet
+from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.keypads import add_keypad
+from kinmo.synth.details.resting_details import add_body_details
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import (
     X,
@@ -50,6 +52,8 @@ def build(draw: Draw) -> SynthObject:
         links += _top_loader(draw, root, body, base, x, y, z)
     if draw.chance(0.4):
         base.nodes.append(add_feet(draw, root, x, z, -y))
+    if draw.chance(0.3):
+        base.nodes += add_body_details(draw, root, (-x, -y, -z), (x, y, z))
     return SynthObject("WashingMachine", root, links)
 
 
@@ -80,6 +84,11 @@ def _porthole(draw: Draw, root: Node, body: Node, base: Link, x: float, y: float
         node.pieces.append(move(grip, center))
     reach = radius * draw.between(0.95, 1.1)
     axis = center + [side * reach, 0, thickness * draw.pick([0.0, 0.5])]
+    if draw.chance(0.25):
+        # A ring of screws.
+        places = np.radians(np.arange(0.0, 360.0, draw.pick([45.0, 60.0, 90.0])))
+        head = cylinder(0.03 * radius, 0.2 * thickness, "z", (0, 0, thickness), 10)
+        node.pieces += [move(head, center + [0.9 * radius * np.cos(a), 0.9 * radius * np.sin(a), 0]) for a in places]
     if draw.chance(0.5):
         bracket = box((0.14 * radius, 0.4 * radius, 0.6 * thickness), (side * reach, 0, 0.3 * thickness))
         (node if draw.chance(0.5) else body).pieces.append(move(bracket, center))
@@ -104,12 +113,13 @@ def _front_controls(draw: Draw, root: Node, base: Link, x: float, y: float, z: f
     if draw.chance(0.4):
         width, height, deep = 0.5 * x, draw.between(0.1, 0.16), draw.between(0.3, 0.6) * z
         left = -0.95 * x
+        corners = (left, level - height / 2), (left + width, level + height / 2)
         front = box_between((left, level - height / 2, z - 0.01), (left + width, level + height / 2, z + 0.03))
         inner = box_between((left + 0.02, level - 0.4 * height, z - deep), (left + width - 0.02, level + 0.2 * height, z))
         node = root.add("drawer", *([front, inner] if draw.chance(0.6) else [front]))
-        links.append(
-            Link("drawer", [node], base, slider((0, 0, 1), 0, draw.between(0.6, 0.95) * deep), leaf_name="translation_drawer")
-        )
+        fittings = add_fittings(draw, root, *corners, z + 0.03)
+        motion = slider((0, 0, 1), 0, draw.between(0.6, 0.95) * deep)
+        links.append(Link("drawer", [node, *fittings], base, motion, leaf_name="translation_drawer"))
     return links
 
 
@@ -153,6 +163,7 @@ def _console(
 ) -> list[Link]:
     """Knobs and keys on the panel of a top loader. Built on a vertical front at the origin, then tilted and moved to `at`."""
     links: list[Link] = []
+    kept = len(base.nodes)  # dials that do not move are added to the base behind these
     name = draw.pick(["button", "knob", "switch"], [3, 1, 1])
     front = 0.06
     small = draw.between(0.022, 0.05)
@@ -167,6 +178,6 @@ def _console(
         links += add_keypad(draw, root, base, center, (0.3 * x, 0.6 * height), "button", lookalikes=False)
     tilt = tilt.copy()
     tilt[:3, 3] = at
-    for link in links:
+    for link in [*links, Link("console", base.nodes[kept:])]:
         link.move(tilt)
     return links

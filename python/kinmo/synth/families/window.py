@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.core.shape import Mesh
 from kinmo.synth.details.appliances import rectangular_frame
 from kinmo.synth.details.door_leaves import sash
 from kinmo.synth.details.door_locks import add_door_lock
+from kinmo.synth.details.front_fittings import add_fittings
+from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box, cylinder, join, move
 from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, slider
@@ -45,6 +46,8 @@ def _add_sash(draw: Draw, root: Node, name: str, size: tuple[float, float], at: 
     node = root.add(name)
     node.add("frame", *bars)
     node.add("glass", *glass)
+    half = 0.5 * np.array(size)
+    add_fittings(draw, node, at[:2] - half, at[:2] + half, at[2] + 0.5 * thickness)
     return node
 
 
@@ -131,9 +134,11 @@ def _latch(draw: Draw, node: Node, at: np.ndarray, side: np.ndarray, size: tuple
     if draw.chance(0.5):
         return
     place = at + side * [0.46 * size[0], 0.46 * size[1], 0] + [0, 0, thickness / 2]
-    knob: Mesh = cylinder(0.012, 0.04, "z", place + [0, 0, 0.02], 10)
-    lever = box((0.02, 0.1, 0.015), place + [0, -0.04, 0.04])
+    pieces = [cylinder(0.012, 0.04, "z", place + [0, 0, 0.02], 10), box((0.02, 0.1, 0.015), place + [0, -0.04, 0.04])]
+    if draw.chance(0.6):
+        long = min(draw.between(0.06, 0.2), 0.5 * min(size))
+        pieces = pull(draw, long, place, vertical=draw.chance(0.6), room=0.1 * min(size))
     if node.children:
-        node.add("handle", knob, lever)
+        node.add("handle", *pieces)
     else:
-        node.pieces.append(join(knob, lever))
+        node.pieces.append(join(*pieces))
