@@ -11,14 +11,16 @@ use crate::Mesh;
 
 /// Cells of the grid that finds vertices on an edge, along the diagonal of the mesh.
 const CELLS: f64 = 256.0;
+/// Most cells, along all boundary edges together, that are searched for vertices on an edge.
+const MAX_SEARCHED_CELLS: f64 = 1e6;
 /// Share of the faces of a component that have a reversed copy, from which it is a model of two-sided sheets.
 const TWO_SIDED: f64 = 0.8;
 
 /// Number of the patch of every face.
 ///
 /// Patches never join faces that have no position in common, directly or through others. A boundary edge ends at the
-/// vertices that lie on it, so that the two sides of a seam need not have the same vertices. Where faces have no
-/// consistent winding, an edge of two faces joins them.
+/// vertices that lie on it, so that the two sides of a seam need not have the same vertices; this is left out for meshes
+/// that are hardly more than boundary. Where faces have no consistent winding, an edge of two faces joins them.
 ///
 /// # Arguments
 ///
@@ -253,8 +255,13 @@ impl<'a> Seam<'a> {
     /// `uses` are sorted by their edges.
     fn new(surface: &'a Surface<'a>, uses: &[EdgeUse], tolerance: f64) -> Self {
         let cell = (surface.mesh.diagonal() / CELLS).max(2.0 * tolerance).max(f64::MIN_POSITIVE);
-        let alone = uses.chunk_by(|a, b| a.ends() == b.ends()).filter(|same| same.len() == 1);
-        let mut ends: Vec<u32> = alone.flat_map(|same| [same[0].from, same[0].to]).collect();
+        let alone: Vec<&EdgeUse> = uses
+            .chunk_by(|a, b| a.ends() == b.ends())
+            .filter_map(|same| if let [edge] = same { Some(edge) } else { None })
+            .collect();
+        let length: f64 = alone.iter().map(|edge| (surface.point(edge.to) - surface.point(edge.from)).norm()).sum();
+        let is_searched = length / cell + alone.len() as f64 <= MAX_SEARCHED_CELLS;
+        let mut ends: Vec<u32> = alone.iter().filter(|_| is_searched).flat_map(|edge| [edge.from, edge.to]).collect();
         ends.sort_unstable();
         ends.dedup();
         let mut seam = Self { surface, tolerance, cell, vertices: HashMap::new() };
@@ -274,7 +281,7 @@ impl<'a> Seam<'a> {
         let (start, end) = (self.surface.point(edge.from), self.surface.point(edge.to));
         let length = (end - start).norm();
         let mut on: Vec<(f64, u32)> = Vec::new();
-        if length > 2.0 * self.tolerance {
+        if length > 2.0 * self.tolerance && !self.vertices.is_empty() {
             let along = (end - start) / length;
             let steps = (length / self.cell).ceil() as usize;
             let mut cells: Vec<[i64; 3]> = Vec::new();
