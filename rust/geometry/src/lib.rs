@@ -9,6 +9,7 @@ pub mod mesh {
     pub mod aabb;
     pub mod bvh;
     pub mod connected_components;
+    pub(crate) mod disjoint_sets;
     pub mod part_surface;
     pub mod point_projection;
     pub mod surface_patches;

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::Mesh;
+use crate::mesh::disjoint_sets::DisjointSets;
 
 /// Connected components of a mesh, in the order of their first faces.
 ///
@@ -19,19 +20,17 @@ pub fn connected_components(mesh: &Mesh) -> Vec<Mesh> {
             *places.entry(vertex.coords.map(|x| (x + 0.0).to_bits()).into()).or_insert(next)
         })
         .collect();
-    let mut representatives: Vec<u32> = (0..places.len() as u32).collect();
+    let mut connected = DisjointSets::new(places.len());
     for face in mesh.faces() {
-        let [a, b, c] = face.map(|vertex| representative_of(&mut representatives, place_of[vertex as usize]));
-        let least = a.min(b).min(c);
-        for representative in [a, b, c] {
-            representatives[representative as usize] = least;
-        }
+        let [a, b, c] = face.map(|vertex| place_of[vertex as usize]);
+        connected.join(a, b);
+        connected.join(a, c);
     }
     let mut component_of: HashMap<u32, usize> = HashMap::new();
     let mut components: Vec<Vec<[u32; 3]>> = Vec::new();
     for face in mesh.faces() {
-        let representative = representative_of(&mut representatives, place_of[face[0] as usize]);
-        let component = *component_of.entry(representative).or_insert(components.len());
+        let first = connected.first_of(place_of[face[0] as usize]);
+        let component = *component_of.entry(first).or_insert(components.len());
         if component == components.len() {
             components.push(Vec::new());
         }
@@ -41,15 +40,6 @@ pub fn connected_components(mesh: &Mesh) -> Vec<Mesh> {
         return vec![mesh.clone()];
     }
     components.into_iter().map(|faces| mesh.submesh(&faces)).collect()
-}
-
-/// Representative of the component of `place` (union-find with path halving).
-fn representative_of(representatives: &mut [u32], mut place: u32) -> u32 {
-    while representatives[place as usize] != place {
-        representatives[place as usize] = representatives[representatives[place as usize] as usize];
-        place = representatives[place as usize];
-    }
-    place
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use nalgebra::{Point3, Vector3};
 
 use crate::Mesh;
+use crate::mesh::disjoint_sets::DisjointSets;
 
 /// Cells of the grid that finds vertices on an edge, along the diagonal of the mesh.
 const CELLS: f64 = 256.0;
@@ -29,7 +30,7 @@ const TWO_SIDED: f64 = 0.8;
 /// * `crease`: largest angle between the normals of faces that are joined across a concave edge, in radians.
 pub fn surface_patches(mesh: &Mesh, tolerance: f64, crease: f64) -> Vec<u32> {
     let surface = Surface::new(mesh);
-    let mut joined = Sets::new(mesh.faces().len());
+    let mut joined = DisjointSets::new(mesh.faces().len());
     surface.join_copies(&mut joined);
     let mut uses = surface.edge_uses();
     uses.sort_unstable_by_key(EdgeUse::key);
@@ -121,7 +122,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Join every face with the one that it is a copy of.
-    fn join_copies(&self, joined: &mut Sets) {
+    fn join_copies(&self, joined: &mut DisjointSets) {
         for (face, &original) in self.original.iter().enumerate() {
             joined.join(face as u32, original);
         }
@@ -158,7 +159,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Join the two faces of an edge unless it is a concave crease.
-    fn join_two(&self, first: EdgeUse, second: EdgeUse, crease: f64, joined: &mut Sets) {
+    fn join_two(&self, first: EdgeUse, second: EdgeUse, crease: f64, joined: &mut DisjointSets) {
         let (Some(normal), Some(other)) = (self.normals[first.face as usize], self.normals[second.face as usize])
         else {
             return;
@@ -174,7 +175,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Join the faces at an edge of more than two: those with a convex solid between them, and flat continuations.
-    fn join_around(&self, uses: &[EdgeUse], crease: f64, joined: &mut Sets) {
+    fn join_around(&self, uses: &[EdgeUse], crease: f64, joined: &mut DisjointSets) {
         use std::f64::consts::{PI, TAU};
         let (low, high) = uses[0].ends();
         let origin = self.point(low);
@@ -216,7 +217,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Join every face without an area with another one that has the same vertex.
-    fn join_flat(&self, joined: &mut Sets) {
+    fn join_flat(&self, joined: &mut DisjointSets) {
         let mut at: HashMap<u32, u32> = HashMap::new();
         for (face, corners) in self.mesh.faces().iter().enumerate() {
             if self.normals[face].is_some() {
@@ -313,7 +314,7 @@ impl<'a> Seam<'a> {
 
 /// Component of every face: faces that share a vertex are connected.
 fn components(mesh: &Mesh) -> Vec<u32> {
-    let mut joined = Sets::new(mesh.vertices().len());
+    let mut joined = DisjointSets::new(mesh.vertices().len());
     for [a, b, c] in mesh.faces() {
         joined.join(*a, *b);
         joined.join(*a, *c);
@@ -356,41 +357,6 @@ fn sorted_corners(mut face: [u32; 3]) -> ([u32; 3], usize) {
         }
     }
     (face, swaps % 2)
-}
-
-/// Disjoint sets of numbers (union-find with path halving); each is represented by its least member.
-struct Sets {
-    above: Vec<u32>,
-}
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self { above: (0..count as u32).collect() }
-    }
-
-    fn first_of(&mut self, mut member: u32) -> u32 {
-        while self.above[member as usize] != member {
-            self.above[member as usize] = self.above[self.above[member as usize] as usize];
-            member = self.above[member as usize];
-        }
-        member
-    }
-
-    fn join(&mut self, first: u32, second: u32) {
-        let (first, second) = (self.first_of(first), self.first_of(second));
-        self.above[first.max(second) as usize] = first.min(second);
-    }
-
-    /// Number of the set of every member, from 0 in the order of their first members.
-    fn numbers(&mut self) -> Vec<u32> {
-        let mut numbers: HashMap<u32, u32> = HashMap::new();
-        (0..self.above.len() as u32)
-            .map(|member| {
-                let next = numbers.len() as u32;
-                *numbers.entry(self.first_of(member)).or_insert(next)
-            })
-            .collect()
-    }
 }
 
 #[cfg(test)]
