@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -50,16 +49,16 @@ def read_urdf_object(folder: Path) -> tuple[Shape, Mapping[str, Any]]:
     """
     facts = _read_facts(folder / FACTS_FILE)
     robot = read_robot_file(folder / URDF_FILE, folder)
-    poses, bodies, names = link_poses(robot), robot_bodies(robot), _element_names(folder / URDF_FILE)
+    poses, bodies = link_poses(robot), robot_bodies(robot)
     nodes: list[Part] = []
     owned: list[tuple[int, ...]] = []
     for body in bodies:
         if body.moves and body.joint is None:
             raise InputError(folder / URDF_FILE, f"expected a hinge, slider or screw above link {body.name!r}", "joint")
         pieces = [
-            (name, placed(mesh, poses[link], folder / URDF_FILE))
+            (piece.name or link, placed(piece.mesh, poses[link], folder / URDF_FILE))
             for link in body.links
-            for name, mesh in zip(names[link], robot.pieces[link], strict=True)
+            for piece in robot.pieces[link]
         ]
         node = len(nodes) + 1
         leaves = tuple(range(node + 1, node + 1 + len(pieces)))
@@ -85,15 +84,6 @@ def _read_facts(path: Path) -> dict[str, Any]:
     if not isinstance(facts.get("category"), str):
         raise InputError(path, "expected the name of a category", "category")
     return facts
-
-
-def _element_names(path: Path) -> dict[str, list[str]]:
-    """Names of the visual elements of every link; those without a name have that of their link."""
-    named: dict[str, list[str]] = {}
-    for link in ET.parse(path).getroot().iterfind("link"):
-        name = link.get("name", "")
-        named[name] = [visual.get("name") or name for visual in link.iterfind("visual")]
-    return named
 
 
 def write_truth(folder: Path, out: Path) -> Shape:

@@ -1,7 +1,8 @@
 """Articulated objects as folders with a URDF file, its meshes and the facts about their origin.
 
-Collectors of generated objects write them (`collect_scene_synthesizer.py`, `collect_infinigen.py`). They run without kinmo, in
-the environment of the generator. `mobility_from_urdf.py` turns the folders into annotated shapes.
+Collectors of objects write them (`collect_scene_synthesizer.py`, `collect_infinigen.py`, `collect_handmade.py`). Those of
+generated objects run without kinmo, in the environment of the generator. `mobility_from_urdf.py` turns the folders into
+annotated shapes.
 """
 
 from __future__ import annotations

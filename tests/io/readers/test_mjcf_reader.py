@@ -14,7 +14,8 @@ import kinmo
 from kinmo.core.errors import InputError
 from kinmo.core.joint import JointKind
 from kinmo.io.discover import discover
-from kinmo.io.readers.mjcf_reader import read_mjcf
+from kinmo.io.readers.mjcf_reader import read_mjcf, read_mjcf_robot
+from kinmo.io.readers.robot_meshes import refuse
 from kinmo.io.source_files import fingerprint
 
 CABINET = """<?xml version="1.0"?>
@@ -162,6 +163,32 @@ def test_frames_move_what_is_in_them(tmp_path: Path) -> None:
 def test_hidden_geoms_count_if_there_are_no_others(tmp_path: Path) -> None:
     shape = read(tmp_path, '<body name="a"><geom group="3" type="box" size="1 2 3"/></body>')
     assert bounds(shape, "a") == [[-1, -2, -3], [1, 2, 3]]
+
+
+def test_transparent_geoms_are_hidden(tmp_path: Path) -> None:
+    shape = read(tmp_path, f'<body name="a">{BASE}<geom type="box" size="9 9 9" rgba="1 0 0 0"/></body>')
+    assert bounds(shape, "a") == [[-1, -1, -1], [1, 1, 1]]
+
+
+def test_groups_of_shown_geoms_can_be_chosen(tmp_path: Path) -> None:
+    geoms = '<geom type="box" size="1 1 1"/><geom type="box" name="look" group="1" size="2 2 2"/>'
+    (tmp_path / "a.xml").write_text(f'<mujoco><worldbody><body name="a">{geoms}</body></worldbody></mujoco>')
+    robot = read_mjcf_robot(tmp_path / "a.xml", refuse, groups=(1,))
+    assert [piece.name for piece in robot.pieces["a"]] == ["look"]
+
+
+def test_a_folder_above_the_file_may_have_what_it_names(tmp_path: Path) -> None:
+    write(tmp_path)
+    inner = '<mujocoinclude><body name="a"><geom type="mesh" mesh="knob"/></body></mujocoinclude>'
+    (tmp_path / "inner.xml").write_text(inner)
+    (tmp_path / "scenes").mkdir()
+    path = tmp_path / "scenes" / "a.xml"
+    asset = '<asset><mesh file="../parts/knob.obj"/></asset><worldbody><include file="../inner.xml"/></worldbody>'
+    path.write_text(f"<mujoco>{asset}</mujoco>")
+    (piece,) = read_mjcf_robot(path, refuse, home=tmp_path).pieces["a"]
+    assert piece.mesh_name == "knob" and np.ptp(piece.mesh.vertices) == 1.0
+    with pytest.raises(InputError, match="leads out of the folder"):
+        read_mjcf_robot(path, refuse)
 
 
 def test_included_files_are_read(tmp_path: Path) -> None:

@@ -252,6 +252,32 @@ def test_meshes_of_a_package_of_ros_are_found(tmp_path):
     assert len(kinmo.load(package / "urdf" / "cabinet.urdf").leaves) == 4
 
 
+def test_meshes_of_a_model_of_gazebo_are_found(tmp_path):
+    model = write_cabinet(tmp_path / "cupboard", door="model://cupboard/parts/door.obj")
+    assert len(kinmo.load(model / "mobility.urdf").leaves) == 4
+
+
+def test_pieces_have_the_names_of_elements_and_of_mesh_files(tmp_path):
+    (tmp_path / "panel.obj").write_text(box_obj((0, 0, 0), (1, 1, 1)))
+    visuals = '<visual name="door"><geometry><mesh filename="panel.obj"/></geometry></visual>' + (
+        '<visual><geometry><box size="1 1 1"/></geometry></visual>'
+    )
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r"><link name="a">{visuals}</link></robot>')
+    pieces = read_robot_file(tmp_path / "robot.urdf", tmp_path).pieces["a"]
+    assert [(piece.name, piece.mesh_name) for piece in pieces] == [("door", "panel"), ("", "")]
+
+
+def test_commas_between_numbers_are_spaces(tmp_path):
+    turn = '<origin xyz="1, 2,3"/><axis xyz="0,0 1"/>'
+    _, door = bodies_of(tmp_path, LINK.format("a", 1), LINK.format("b", 1), joint("continuous", "a", "b", turn))
+    assert door.joint.pivot == pytest.approx([1, 2, 3]) and door.joint.direction == pytest.approx([0, 0, 1])
+
+
+def test_a_fixed_joint_needs_no_axis(tmp_path):
+    (only,) = bodies_of(tmp_path, LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b", '<axis xyz="0 0 0"/>'))
+    assert only.links == ("a", "b")
+
+
 def test_a_change_of_a_mesh_of_a_urdf_is_noticed(tmp_path):
     folder = write_cabinet(tmp_path / "a")
     (found,) = discover(folder)

@@ -31,12 +31,14 @@ class MjcfDocument:
 
     Attributes:
         path: the file.
+        home: a folder at or above that of the file. No path of the file may lead out of it.
         root: the element `<mujoco>`.
         uses_degrees: angles are in degrees, not in radians.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, home: Path | None = None) -> None:
         self.path = path
+        self.home = home or path.parent
         self._included, self._bytes_left = 0, MAX_XML_BYTES
         self.root = self._parse(path)
         if self.root.tag != "mujoco":
@@ -120,8 +122,8 @@ class MjcfDocument:
         return vector / length
 
     def _parse(self, path: Path) -> ET.Element:
-        file = inside(path, self.path.parent)
-        data = read_bytes(file, self.path.parent, self._bytes_left)
+        file = inside(path, self.home)
+        data = read_bytes(file, self.home, self._bytes_left)
         self._bytes_left -= len(data)
         return parse_xml(data, file)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from kinmo.io.readers import solids
 from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.mjcf_document import MAX_DEPTH, Attributes, MjcfDocument, rotation_of_z
 from kinmo.io.readers.reader import Reader, SourceFiles
-from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, ordered_links
+from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, RobotPiece, ordered_links
 from kinmo.io.readers.robot_meshes import RobotMeshes
 from kinmo.io.readers.robot_numbers import read_list, read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
@@ -32,8 +32,8 @@ _BEFORE_ROOT = re.compile(rb"<\?.*?\?>|<!--.*?-->|<!DOCTYPE[^>]*>|\s+|\xef\xbb\x
 _WORLD = "world"
 _JOINT_TYPES = {"hinge": "revolute", "slide": "prismatic"}
 """Types of URDF by those of MJCF. Others are none that kinmo knows."""
-_SHOWN_GROUPS = 3
-"""Number of the first group of geoms that viewers hide. By convention, groups from there on have collision geoms."""
+SHOWN_GROUPS = (0, 1, 2)
+"""Groups of geoms that viewers show. By convention, the other groups have collision geoms."""
 _IGNORED_BODIES = ("composite", "flexcomp", "replicate", "attach")
 """Elements that MuJoCo expands to bodies."""
 
@@ -45,30 +45,35 @@ def read_mjcf(path: Path) -> Shape:
     return shape_of_robot(read_mjcf_robot(path, problems.append), MJCF, "MJCF", problems)
 
 
-def read_mjcf_robot(path: Path, report: Callable[[InputError], None]) -> RobotFile:
+def read_mjcf_robot(
+    path: Path, report: Callable[[InputError], None], home: Path | None = None, groups: Collection[int] = SHOWN_GROUPS
+) -> RobotFile:
     """Read an MJCF file with its meshes.
 
-    A body becomes a link. Each of several joints of a body has a link of its own, without geometry. Geoms of groups that
-    viewers hide are used if there are no others.
+    A body becomes a link. Each of several joints of a body has a link of its own, without geometry. Geoms that viewers hide, by
+    their group or because they are transparent, are used if there are no others.
 
     Args:
         path: the file.
         report: receives the problem of each mesh that cannot be read.
+        home: a folder at or above that of the file, which no path may lead out of. By default that of the file.
+        groups: the groups of geoms that are shown.
 
     Raises:
-        InputError: the file is no MJCF, or a path leads out of its folder.
+        InputError: the file is no MJCF, or a path leads out of `home`.
     """
-    return _MjcfRobot(MjcfDocument(path), report).robot()
+    return _MjcfRobot(MjcfDocument(path, home), report, groups).robot()
 
 
 class _MjcfRobot:
     """Collects the links of a document."""
 
-    def __init__(self, document: MjcfDocument, report: Callable[[InputError], None]) -> None:
+    def __init__(self, document: MjcfDocument, report: Callable[[InputError], None], groups: Collection[int]) -> None:
         self.document = document
+        self.groups = groups
         self.path = document.path
         self.report = report
-        self.files = RobotMeshes(self.path, self.path.parent, report)
+        self.files = RobotMeshes(self.path, document.home, report)
         self.assets = dict(document.meshes())
         self.names = [_WORLD]
         self.joints: list[JointElement] = []
@@ -79,12 +84,10 @@ class _MjcfRobot:
         """The links, joints and meshes."""
         for world in self.document.root.findall("worldbody"):
             self._read_content(world, _WORLD, np.eye(4), world.get("childclass"))
-        shown = [geom for own in self.geoms.values() for geom in own if self._group(geom[0]) < _SHOWN_GROUPS]
-        pieces: dict[str, list[Mesh]] = {}
-        for name, own in self.geoms.items():
-            used = [geom for geom in own if not shown or self._group(geom[0]) < _SHOWN_GROUPS]
-            meshes = [(self._mesh(attributes), pose) for attributes, pose in used]
-            pieces[name] = [placed(mesh, pose, self.path) for mesh, pose in meshes if mesh is not None]
+        shown = {name: [geom for geom in own if self._is_shown(geom[0])] for name, own in self.geoms.items()}
+        used = shown if any(shown.values()) else self.geoms
+        made = {name: [self._piece(attributes, pose) for attributes, pose in own] for name, own in used.items()}
+        pieces = {name: [piece for piece in own if piece is not None] for name, own in made.items()}
         named = [self.document.mesh_path(asset["file"]) for asset in self.assets.values() if "file" in asset]
         links = ordered_links(self.path, self.names, self.joints)
         above = {joint.child: joint for joint in self.joints}
@@ -159,8 +162,19 @@ class _MjcfRobot:
         self.names.append(name)
         self.geoms[name] = []
 
-    def _group(self, attributes: Attributes) -> float:
-        return float(read_numbers(self.path, attributes, "group", (0.0,))[0])
+    def _is_shown(self, attributes: Attributes) -> bool:
+        """True for a geom of a shown group that is not wholly transparent."""
+        group = float(read_numbers(self.path, attributes, "group", (0.0,))[0])
+        alpha = float(read_numbers(self.path, attributes, "rgba", (1.0, 1.0, 1.0, 1.0))[3])
+        return group in self.groups and (alpha > 0.0 or "material" in attributes)
+
+    def _piece(self, attributes: Attributes, pose: Matrix) -> RobotPiece | None:
+        """The piece of a geom; `pose` leads from what it is in to its link. None if it has no mesh."""
+        mesh = self._mesh(attributes)
+        if mesh is None:
+            return None
+        name, asset = (clean_text(attributes.get(key, "")) for key in ("name", "mesh"))
+        return RobotPiece(placed(mesh, pose, self.path), name, asset)
 
     def _mesh(self, attributes: Attributes) -> Mesh | None:
         """The mesh of a geom in its body. None if it has none."""

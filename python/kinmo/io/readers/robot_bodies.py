@@ -66,7 +66,7 @@ def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
         is_fixed = name in above and above[name].type == FIXED
         head[name] = head[above[name].parent] if is_fixed else name
         own = links.setdefault(head[name], [])
-        if any(len(mesh.faces) for mesh in robot.pieces[name]):
+        if any(len(piece.mesh.faces) for piece in robot.pieces[name]):
             own.append(name)
 
     bodies: list[RobotBody] = []
@@ -81,7 +81,7 @@ def robot_bodies(robot: RobotFile) -> tuple[RobotBody, ...]:
             if link in index:
                 break
         index[name] = len(bodies)
-        triangles = np.concatenate([_moved(poses[each], mesh.triangles) for each in own for mesh in robot.pieces[each]])
+        triangles = np.concatenate([_moved(poses[each], piece.mesh.triangles) for each in own for piece in robot.pieces[each]])
         bodies.append(RobotBody(name, triangles, index.get(link) if chain else None, _joint(chain), bool(chain), tuple(own)))
     tops = [number for number, body in enumerate(bodies) if body.parent is None]
     if len(tops) == 1:

@@ -47,6 +47,21 @@ class JointElement:
 
 
 @dataclass(frozen=True, eq=False)
+class RobotPiece:
+    """A visual element of URDF or a geom of MJCF.
+
+    Attributes:
+        mesh: its triangles in the frame of its link.
+        name: its name in the file. Empty if it has none.
+        mesh_name: name of the mesh asset, or of the mesh file without its ending. Empty for solids.
+    """
+
+    mesh: Mesh
+    name: str = ""
+    mesh_name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
 class RobotFile:
     """A tree of links.
 
@@ -55,7 +70,7 @@ class RobotFile:
         name: name of the robot. Empty if it has none.
         links: names of the links, the root first and every link after its parent.
         joint_above: the joint of each child link, by name of the link.
-        pieces: the meshes of each link, in its frame, by name of the link.
+        pieces: the pieces of each link, by name of the link.
         mesh_files: the mesh files that the file names.
         repairs: one line for everything that was dropped.
     """
@@ -64,7 +79,7 @@ class RobotFile:
     name: str
     links: tuple[str, ...]
     joint_above: dict[str, JointElement]
-    pieces: dict[str, list[Mesh]]
+    pieces: dict[str, list[RobotPiece]]
     mesh_files: tuple[Path, ...] = ()
     repairs: tuple[str, ...] = ()
 

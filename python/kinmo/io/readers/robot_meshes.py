@@ -9,6 +9,7 @@ from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, join
 from kinmo.io.readers.dae_reader import read_dae_scene
 from kinmo.io.readers.gltf_reader import read_glb_scene
+from kinmo.io.readers.msh_mesh import read_msh_mesh
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.off_mesh import read_off_mesh
 from kinmo.io.readers.ply_mesh import read_ply_mesh
@@ -28,6 +29,22 @@ def is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):
         return False
+
+
+def mesh_path(name: str, robot: Path, home: Path) -> Path:
+    """The file that a URDF or SDF file means by the name of a mesh.
+
+    Args:
+        name: the name as it is written.
+        robot: the robot file. Packages and models are searched beside it and in the folders above it, up to `home`.
+        home: a folder at or above that of the file.
+    """
+    scheme, _, inside = name.partition("://")
+    if scheme not in ("package", "model"):
+        return robot.parent / name.removeprefix("file://")
+    folders = [folder for folder in robot.parents if folder == robot.parent or folder == home or home in folder.parents]
+    places = [folder / tail for folder in folders for tail in (inside, inside.partition("/")[2])]
+    return next((place for place in places if is_file(place)), places[0])
 
 
 class RobotMeshes:
@@ -69,7 +86,7 @@ class RobotMeshes:
 
 
 def read_mesh(path: Path) -> Mesh:
-    """All triangles of a mesh file (OBJ, STL, PLY, OFF, DAE, glTF) in the frame of the file.
+    """All triangles of a mesh file (OBJ, STL, PLY, OFF, MSH, DAE, glTF) in the frame of the file.
 
     Coordinates of DAE files are in metres, whatever their unit. Their up axis is ignored, as in ROS. Raises InputError for
     files that are missing or broken, have no faces, or have another format.
@@ -85,6 +102,8 @@ def read_mesh(path: Path) -> Mesh:
         mesh = read_ply_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
     elif ending == ".off":
         mesh = read_off_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
+    elif ending == ".msh":
+        mesh = read_msh_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
     elif ending == ".dae":
         scene = read_dae_scene(path)
         mesh = _whole(scene)
@@ -92,7 +111,9 @@ def read_mesh(path: Path) -> Mesh:
     elif ending in (".glb", ".gltf"):
         mesh = _whole(read_glb_scene(path))
     else:
-        raise InputError(path, "expected a mesh as .obj, .stl, .ply, .off, .dae, .glb or .gltf: convert it to one of these")
+        raise InputError(
+            path, "expected a mesh as .obj, .stl, .ply, .off, .msh, .dae, .glb or .gltf: convert it to one of these"
+        )
     if mesh is None or not len(mesh.faces):
         raise InputError(path, "has no faces")
     return mesh

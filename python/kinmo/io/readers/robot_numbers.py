@@ -26,10 +26,10 @@ def read_numbers(
 def read_list(
     path: Path, attributes: Mapping[str, str], field: str, least: int, most: int, largest: float = MAX_NUMBER
 ) -> Matrix:
-    """The numbers of an attribute, `least` to `most` of them (see `read_numbers`)."""
+    """The numbers of an attribute, `least` to `most` of them (see `read_numbers`). Commas count as spaces."""
     text = attributes.get(field, "")
     try:
-        values = np.array(text.split(), float)
+        values = np.array(text.replace(",", " ").split(), float)
     except ValueError:
         values = np.array([np.nan])
     if not least <= len(values) <= most or not np.all(np.abs(values) <= largest):

@@ -61,12 +61,14 @@ def shape_of_robot(robot: RobotFile, layout: str, convention: str, problems: Ite
     problems = list(problems)
     repairs = [f"{Path(problem.where).name} skipped: {problem.problem}" for problem in problems]
     repairs += robot.repairs
-    pieces = {name: [mesh for mesh in robot.pieces[name] if has_surface(mesh)] for name in robot.links}
+    pieces = {name: [piece for piece in robot.pieces[name] if has_surface(piece.mesh)] for name in robot.links}
     flat = [name for name in robot.links if robot.pieces[name] and not pieces[name]]
     repairs += [f"link {clean_text(name)} has no surface: skipped" for name in flat]
     robot = replace(robot, pieces=pieces)
     poses = link_poses(robot)
-    meshes = {name: join(*(placed(mesh, poses[name], robot.path) for mesh in own)) for name, own in pieces.items() if own}
+    meshes = {
+        name: join(*(placed(piece.mesh, poses[name], robot.path) for piece in own)) for name, own in pieces.items() if own
+    }
     if not meshes:
         raise InputError(robot.path, "no link has geometry" + "".join(f" ({line})" for line in repairs[:1]))
     if len(meshes) > MAX_PARTS:

@@ -15,8 +15,8 @@ from kinmo.core.shape import Mesh, Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers import solids
 from kinmo.io.readers.reader import Reader, SourceFiles
-from kinmo.io.readers.robot_file import MAX_NUMBER, JointElement, Matrix, RobotFile, ordered_links
-from kinmo.io.readers.robot_meshes import RobotMeshes, is_file, refuse
+from kinmo.io.readers.robot_file import FIXED, MAX_NUMBER, JointElement, Matrix, RobotFile, RobotPiece, ordered_links
+from kinmo.io.readers.robot_meshes import RobotMeshes, mesh_path, refuse
 from kinmo.io.readers.robot_numbers import read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
 from kinmo.io.readers.scene import placed
@@ -39,7 +39,7 @@ def read_urdf(path: Path) -> Shape:
 def read_robot_file(path: Path, home: Path, report: Callable[[InputError], None] = refuse) -> RobotFile:
     """Read a URDF file with its meshes. Collision shapes are used if no link has visual ones.
 
-    `package://` meshes are searched beside the file and in the folders above it, up to `home`.
+    Meshes in a `package://` or `model://` are searched beside the file and in the folders above it, up to `home`.
 
     Args:
         path: the file.
@@ -58,10 +58,10 @@ def read_robot_file(path: Path, home: Path, report: Callable[[InputError], None]
     role = "visual" if root.find("link/visual") is not None else "collision"
     meshes = RobotMeshes(path, home, report)
     pieces = {
-        name: [mesh for piece in element.findall(role) if (mesh := _geometry(path, meshes, piece)) is not None]
+        name: [piece for each in element.findall(role) if (piece := _piece(path, meshes, each)) is not None]
         for name, element in elements.items()
     }
-    named = (_mesh_path(mesh.get("filename") or "", path, home) for mesh in root.findall("link/*/geometry/mesh"))
+    named = (mesh_path(mesh.get("filename") or "", path, home) for mesh in root.findall("link/*/geometry/mesh"))
     above = {joint.child: joint for joint in joints}
     return RobotFile(path, clean_text(root.get("name") or ""), links, above, pieces, tuple(dict.fromkeys(named)))
 
@@ -87,6 +87,8 @@ def _joint_element(path: Path, element: ET.Element) -> JointElement:
     if ends[0] is None or ends[1] is None:
         raise InputError(path, "expected a parent and a child link", f"joint {name}")
     along = element.find("axis")
+    if kind == FIXED:
+        along = None  # files write an axis of zero for a fixed joint
     axis = read_numbers(path, {} if along is None else along.attrib, "xyz", (1.0, 0.0, 0.0))
     length = float(np.linalg.norm(axis))
     if length < 1.0 / MAX_NUMBER:
@@ -103,10 +105,10 @@ def _limits(path: Path, element: ET.Element | None) -> tuple[float, float] | Non
     return (lower, upper) if -MAX_NUMBER <= lower < upper <= MAX_NUMBER else None
 
 
-def _geometry(path: Path, meshes: RobotMeshes, piece: ET.Element) -> Mesh | None:
-    """The mesh of a visual or collision element in its link. None if it has none."""
-    pose = _pose(path, piece.find("origin"))
-    shape = next(iter(piece.findall("geometry/*")), None)
+def _piece(path: Path, meshes: RobotMeshes, element: ET.Element) -> RobotPiece | None:
+    """The piece of a visual or collision element. None if it has no mesh."""
+    pose = _pose(path, element.find("origin"))
+    shape = next(iter(element.findall("geometry/*")), None)
     if shape is None:
         return None
 
@@ -115,7 +117,7 @@ def _geometry(path: Path, meshes: RobotMeshes, piece: ET.Element) -> Mesh | None
 
     mesh: Mesh | None
     if shape.tag == "mesh":
-        mesh = meshes.read(_mesh_path(shape.get("filename") or "", path, meshes.home))
+        mesh = meshes.read(mesh_path(shape.get("filename") or "", path, meshes.home))
         pose[:3, :3] *= read_numbers(path, shape.attrib, "scale", (1.0, 1.0, 1.0))
     elif shape.tag == "box":
         mesh = meshes.counted(solids.box(read_numbers(path, shape.attrib, "size", (1.0, 1.0, 1.0))))
@@ -127,17 +129,10 @@ def _geometry(path: Path, meshes: RobotMeshes, piece: ET.Element) -> Mesh | None
         mesh = meshes.counted(solids.ellipsoid(np.full(3, number("radius"))))
     else:
         raise InputError(path, f"expected mesh, box, cylinder or sphere, found {shape.tag[:40]!r}", "geometry")
-    return None if mesh is None else placed(mesh, pose, path)
-
-
-def _mesh_path(name: str, urdf: Path, home: Path) -> Path:
-    """The file of a mesh."""
-    if not name.startswith("package://"):
-        return urdf.parent / name.removeprefix("file://")
-    inside = name.removeprefix("package://")
-    folders = [folder for folder in urdf.parents if folder == urdf.parent or folder == home or home in folder.parents]
-    places = [folder / tail for folder in folders for tail in (inside, inside.partition("/")[2])]
-    return next((place for place in places if is_file(place)), places[0])
+    if mesh is None:
+        return None
+    file = (shape.get("filename") or "") if shape.tag == "mesh" else ""
+    return RobotPiece(placed(mesh, pose, path), clean_text(element.get("name") or ""), clean_text(Path(file).stem))
 
 
 def _id_of_file(path: Path) -> str | None:
