@@ -92,7 +92,8 @@ def add_shutter(draw: Draw, above: Node, carcass: Link, opening: Opening, thickn
         foot = at + axis * place + (0, 0, thickness)
         node.add("handle", *_sliding_grip(draw, size, foot, thickness, upwards=upwards))
     if draw.chance(0.6):
-        _add_rails(draw, above, carcass, replace(opening, front=opening.front + ahead), thickness, upwards=upwards, reach=sense)
+        reach = sense * draw.pick([1.0, draw.between(0.2, 1.0)])
+        _add_rails(draw, above, carcass, replace(opening, front=opening.front + ahead), thickness, upwards=upwards, reach=reach)
     travel = room * draw.between(0.6, 1.0)
     rest = draw.pick([0.0, draw.between(0.1, 0.9) * travel], [4, 1])
     motion = slider(sense * axis, 0.0, travel, rest=rest)
