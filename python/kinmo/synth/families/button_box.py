@@ -282,7 +282,7 @@ def _side_lever(draw: Draw, root: Node) -> list[Link]:
     if draw.chance(0.3):
         radius = draw.between(0.04, 0.1)
         button = [turn(piece, X, 90.0) for piece in press_button(draw, radius, radius)]
-        at = (0, 0.25 * tall, deep / 2)
+        at = np.array([0.0, 0.25 * tall, deep / 2])
         links.append(Link("button", [root.add("button", *(move(p, at) for p in button))], base, slider(-Z, 0.0, 0.6 * radius)))
     return links
 

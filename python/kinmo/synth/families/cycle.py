@@ -39,11 +39,11 @@ class _Head:
     @property
     def axis(self) -> Vector:
         """Unit direction [3] upwards."""
-        return (self.high - self.low) / np.linalg.norm(self.high - self.low)
+        return np.asarray((self.high - self.low) / np.linalg.norm(self.high - self.low))
 
     def at(self, height: float) -> Vector:
         """Point [3] of the axis at a height."""
-        return self.low + self.axis * (height - self.low[1]) / self.axis[1]
+        return np.asarray(self.low + self.axis * (height - self.low[1]) / self.axis[1])
 
 
 def build(draw: Draw) -> SynthObject:
@@ -122,13 +122,13 @@ def _fork(draw: Draw, root: Node, base: Link, head: _Head, radius: float, rod: f
     stem = top + (0, 0, ahead)
     if ahead:
         pieces.append(sweep(np.array([top, stem]), 0.9 * rod, 8))
-    ends = {
+    shapes: dict[str, list[tuple[float, float, float]]] = {
         "straight": [(half, 0, 0)],
         "raised": [(0.3 * half, 0, 0), (0.45 * half, 0.1, -0.03), (half, 0.12, -0.08)],
         "swept": [(0.5 * half, 0.03, 0.0), (half, 0.02, -0.18)],
         "drop": [(half, 0, 0.0), (half, 0, 0.1), (half, -0.14, 0.1), (half, -0.14, -0.05)],
-    }[form]
-    right = [stem + np.array(end) for end in ends]
+    }
+    right = [stem + np.array(end) for end in shapes[form]]
     left = [point * (-1, 1, 1) for point in reversed(right)]
     bar = rounded_path(np.array([*left, stem, *right]), 0.05)
     pieces.append(sweep(bar, 0.8 * rod, 8))
@@ -174,7 +174,7 @@ def _bicycle_frame(draw: Draw, root: Node, base: Link, head: _Head, radius: floa
         tubes.append((head.high, lower_seat))
     pieces = [sweep(np.array(pair), rod, 10) for pair in tubes]
     gap = 0.15 * radius + 0.03
-    for side in (-1, 1):
+    for side in (-1.0, 1.0):
         stays = [(side * 0.5 * gap, 0, 0), (side * gap, 0, 0)]
         pieces.append(sweep(np.array([crank + stays[0], rear + stays[1]]), 0.6 * rod, 8))
         pieces.append(sweep(np.array([lower_seat + stays[0], rear + stays[1]]), 0.6 * rod, 8))

@@ -117,10 +117,10 @@ class _Row:
     def _front(self) -> float:
         return self.style.depth / 2
 
-    def _carcass(self, low: tuple[float, float, float], high: tuple[float, float, float]) -> Node:
+    def _carcass(self, low: tuple[float, float, float], high: tuple[float, float, float], *, solid: bool = False) -> Node:
         """Add a unit's carcass, hollow or solid; returns the unit's group."""
         group = self.root.add(self.style.names[0])
-        shell = box_between(low, high) if self.style.solid else open_box(low, high, self.style.board)
+        shell = box_between(low, high) if solid else open_box(low, high, self.style.board)
         self.base.nodes.append(group.add(self.style.names[1], shell))
         return group
 
@@ -128,7 +128,7 @@ class _Row:
         """Add one base unit between two positions along x."""
         draw, style = self.draw, self.style
         low, high, board = style.plinth, style.plinth + style.height, style.board
-        group = self._carcass((start, low, -self._front), (end, high, self._front))
+        group = self._carcass((start, low, -self._front), (end, high, self._front), solid=style.solid and kind != "larder")
         opening = Opening(
             0.5 * (start + end),
             0.5 * (low + high),
@@ -304,7 +304,7 @@ class _Row:
                 chimney = box((0.4 * (b - a), tall - 0.08, 0.6 * deep), (middle, low + 0.04 + tall / 2, rear + 0.3 * deep))
                 self.base.nodes.append(self.root.add("hood", canopy, chimney))
                 continue
-            group = self._carcass((a, low, rear), (b, low + tall, z))
+            group = self._carcass((a, low, rear), (b, low + tall, z), solid=style.solid)
             opening = Opening(middle, low + tall / 2, b - a - 2 * board, tall - 2 * board, deep - board, z)
             if kind == "pair":
                 self.links += add_door_pair(draw, group, self.base, opening, style.fronts)
