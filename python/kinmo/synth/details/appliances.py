@@ -7,7 +7,7 @@ import numpy as np
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.controls import dial
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Z, box, box_between, cylinder, join, open_box
+from kinmo.synth.primitives import Point, Z, box, box_between, cylinder, join, open_box
 from kinmo.synth.synth_object import Link, Node, hinge, slider, spinner
 
 
@@ -33,7 +33,7 @@ def appliance_casing(draw: Draw, low: np.ndarray, high: np.ndarray, wall: float)
     return [join(*walls)] if form == "joined" else walls
 
 
-def frame_bars(low: np.ndarray, high: np.ndarray, rim: float) -> list[Mesh]:
+def frame_bars(low: Point, high: Point, rim: float) -> list[Mesh]:
     """Four bars, `rim` wide, of a rectangular frame in the x-y plane between two corners [3]."""
     (x0, y0, z0), (x1, y1, z1) = low, high
     return [

@@ -6,53 +6,134 @@ from dataclasses import replace
 
 import numpy as np
 
+from kinmo.core.shape import Mesh
 from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer, front_panel
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import X, Y, box, box_between, extrude, move
+from kinmo.synth.primitives import Point, X, Y, box, box_between, cylinder, extrude, move, tube
 from kinmo.synth.synth_object import Link, Node, hinge, slider
 
 SLIDING_LOOKS = ("plain", "framed", "slatted", "raised")
 """Looks of doors that slide."""
 
 
-def add_sliding_doors(draw: Draw, above: Node, carcass: Link, opening: Opening, thickness: float) -> list[Link]:
-    """Add one to three doors on parallel tracks in an opening that slide sideways, or upwards.
+def add_sliding_doors(
+    draw: Draw, above: Node, carcass: Link, opening: Opening, thickness: float, *, upwards: bool | None = None
+) -> list[Link]:
+    """Add one to three doors on parallel tracks in an opening, which slide sideways or upwards.
 
-    A single door covers a part of the opening, sometimes next to a fixed panel.
+    The first track is within the opening, flush with the carcass, or in front of it. A single door covers a part of the
+    opening, sometimes next to a fixed panel.
+
+    Args:
+        draw: Source of all random values.
+        above: Node that the doors are added below.
+        carcass: Link that carries the doors.
+        opening: The opening.
+        thickness: Thickness of each door.
+        upwards: Slide upwards, or else sideways; None for either.
+
+    Returns:
+        Links of the doors.
     """
-    count, upwards = draw.pick([1, 2, 3], [2, 5, 1]), draw.chance(0.15)
+    count = draw.pick([1, 2, 3], [2, 5, 1])
+    upwards = draw.chance(0.15) if upwards is None else upwards
     room = opening.height if upwards else opening.width
     share = draw.between(0.4, 0.65) if count == 1 else draw.between(1.0, 1.12) / count
     size = (opening.width, share * room) if upwards else (share * room, opening.height)
     axis, look, inner = Y if upwards else X, draw.pick(SLIDING_LOOKS, [5, 2, 2, 1]), 0.5 * (room - share * room)
     places = [draw.sign() * inner] if count == 1 else list(np.linspace(-inner, inner, count))
     tracks = [index % 2 for index in range(count)] if draw.chance(0.7) else list(range(count))
+    face = opening.front + draw.pick([0.0, -thickness, 1.2 * thickness, 2.4 * thickness], [4, 2, 1, 2])
     has_handles, links = draw.chance(0.7), []
     for place, track in zip(places, tracks, strict=True):
-        at = axis * place + (opening.x, opening.y, opening.front - (1.1 * track + 1.0) * thickness)
+        at = axis * place + (opening.x, opening.y, face - (1.1 * track + 1.0) * thickness)
         node = above.add("cabinet_door")
         node.add("cabinet_door_surface", *(move(piece, at) for piece in front_panel(draw, *size, thickness, look)))
         if has_handles and (track == 0 or draw.chance(0.5)):
             aside = draw.pick([0.0, -0.4, 0.4]) * share * room
             foot = at + axis * aside + (0, 0, thickness)
-            node.add("handle", *pull(draw, 0.2 * min(size), foot, vertical=not upwards, reach=0.1 * thickness, room=min(size)))
+            node.add("handle", *_sliding_grip(draw, size, foot, thickness, upwards=upwards))
         low, high = (-inner - place), (inner - place)
         if count > 2 and abs(place) < 1e-9 and draw.chance(0.5):
             low, high = draw.pick([(low, 0.0), (0.0, high)])
         links.append(Link("cabinet_door", [node], carcass, slider(axis, low, high), leaf_name="translation_door"))
     if count == 1 and draw.chance(0.5):
-        beside = -axis * places[0] + (opening.x, opening.y, opening.front - 2.2 * thickness)
+        beside = -axis * places[0] + (opening.x, opening.y, face - 2.2 * thickness)
         fixed = front_panel(draw, *size, thickness, look)
         carcass.nodes.append(above.add("vertical_front_panel", *(move(piece, beside) for piece in fixed)))
     if draw.chance(0.4):
-        for side in (-1.0, 1.0):
-            rail = (
-                (0.3 * thickness, opening.height, 2 * thickness) if upwards else (opening.width, 0.3 * thickness, 2 * thickness)
-            )
-            across = (X * opening.width if upwards else Y * opening.height) * 0.5 * side
-            carcass.nodes.append(above.add("rail", box(rail, across + (opening.x, opening.y, opening.front - thickness))))
+        _add_rails(draw, above, carcass, replace(opening, front=face), thickness, upwards=upwards)
     return links
+
+
+def add_shutter(draw: Draw, above: Node, carcass: Link, opening: Opening, thickness: float) -> Link:
+    """Add one rigid panel over a whole opening that slides away: up, down or aside, in grooves or in front of the carcass."""
+    upwards = draw.chance(0.65)
+    margin = draw.pick([0.0, draw.between(0.0, 0.05)]) * min(opening.width, opening.height)
+    ahead = draw.pick([0.0, -thickness, 1.1 * thickness], [3, 2, 3])
+    extra = 2 * margin * (1.0 if ahead > 0 else -1.0)
+    size = (opening.width + extra, opening.height + extra)
+    at = np.array([opening.x, opening.y, opening.front + ahead - thickness])
+    look = draw.pick(SLIDING_LOOKS, [4, 2, 6, 1])
+    node = above.add(draw.pick(["cabinet_door", "shutter", "door"], [3, 1, 1]))
+    panel = front_panel(draw, *size, thickness, look)
+    if look == "slatted" and draw.chance(0.5):
+        count = draw.integer(5, 16)
+        tall = size[1] / count
+        gap = draw.pick([1.0, draw.between(0.85, 0.98)])
+        slats = [(0, (index + 0.5 - 0.5 * count) * tall, 0.5 * thickness) for index in range(count)]
+        panel = [box((size[0], gap * tall, thickness), slat) for slat in slats]
+    node.add("cabinet_door_surface", *(move(piece, at) for piece in panel))
+    sense = draw.pick([1.0, -1.0], [5, 1]) if upwards else draw.sign()
+    axis, room = (Y if upwards else X), size[1 if upwards else 0]
+    if draw.chance(0.75):
+        place = -sense * draw.between(0.3, 0.45) * room
+        foot = at + axis * place + (0, 0, thickness)
+        node.add("handle", *_sliding_grip(draw, size, foot, thickness, upwards=upwards))
+    if draw.chance(0.6):
+        reach = sense * draw.pick([1.0, draw.between(0.2, 1.0)])
+        _add_rails(draw, above, carcass, replace(opening, front=opening.front + ahead), thickness, upwards=upwards, reach=reach)
+    travel = room * draw.between(0.6, 1.0)
+    rest = draw.pick([0.0, draw.between(0.1, 0.9) * travel], [4, 1])
+    motion = slider(sense * axis, 0.0, travel, rest=rest)
+    return Link("cabinet_door", [node], carcass, motion, leaf_name="translation_door")
+
+
+def _sliding_grip(draw: Draw, size: tuple[float, float], foot: Point, thickness: float, *, upwards: bool) -> list[Mesh]:
+    """Meshes of the grip of a sliding door of `size`: a pull, a recessed dish or frame, or a strip along an edge."""
+    small = min(size)
+    kind = draw.pick(["pull", "dish", "slot", "strip"], [5, 2, 2, 1])
+    if kind == "pull":
+        return pull(draw, 0.2 * small, foot, vertical=not upwards, reach=draw.pick([0.1, 0.8]) * thickness, room=small)
+    if kind == "dish":
+        radius = draw.between(0.04, 0.1) * small
+        ring = tube(radius, 0.75 * radius, 0.4 * thickness, "z", foot, 20)
+        return [ring, cylinder(0.75 * radius, 0.1 * thickness, "z", foot, 20)][: draw.integer(1, 2)]
+    if kind == "slot":
+        long, wide = draw.between(0.15, 0.5) * small, draw.between(0.03, 0.08) * small
+        plate = (long, wide, 0.15 * thickness) if upwards else (wide, long, 0.15 * thickness)
+        return [box(plate, foot)]
+    long = draw.between(0.3, 0.98)
+    strip = (long * size[0], 0.04 * small, thickness) if upwards else (0.04 * small, long * size[1], thickness)
+    center = np.array(foot, float)
+    center[0 if upwards else 1] -= draw.pick([0.0, 0.5 * (1 - long)]) * size[0 if upwards else 1]
+    return [box(strip, center + (0, 0, 0.3 * thickness))]
+
+
+def _add_rails(
+    draw: Draw, above: Node, carcass: Link, opening: Opening, thickness: float, *, upwards: bool, reach: float = 0.0
+) -> None:
+    """Add two rails of the carcass along the path of a sliding door. They go on for `reach` openings beyond the opening."""
+    room = opening.height if upwards else opening.width
+    long, thin = (1.0 + abs(reach)) * room, draw.between(0.3, 1.0) * thickness
+    along = (Y if upwards else X) * 0.5 * reach * room
+    size = (thin, long, 2 * thickness) if upwards else (long, thin, 2 * thickness)
+    across = X * opening.width if upwards else Y * opening.height
+    for side in (-1.0, 1.0):
+        outside = 0.5 * side * (1.0 + (thin / np.linalg.norm(across) if reach else 0.0))
+        at = across * outside + along + (opening.x, opening.y, opening.front - thickness)
+        carcass.nodes.append(above.add("rail", box(size, at)))
 
 
 def add_hung_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from kinmo.core.shape import Mesh
@@ -46,6 +48,38 @@ def bow_handle(draw: Draw, length: float, thickness: float, reach: float, *, ver
         path = rounded_path(np.array(ends), 0.6 * reach)
     rod = sweep(path, thickness / 2, draw.pick([6, 8, 10]))
     return [turn(rod, (0, 0, 1), 90.0) if vertical else rod]
+
+
+def assembled_handle(draw: Draw, length: float, thickness: float, reach: float) -> list[Mesh]:
+    """A handle along x of several pieces: a bow on discs, a capped bar, a bracket, an arc of blocks, or two bars."""
+    kind = draw.pick(["discs", "capped", "bracket", "blocks", "twin"], [2, 2, 2, 1, 1])
+    half, post = 0.5 * length, draw.between(0.36, 0.46) * length
+    if kind == "discs":
+        wide = draw.between(1.0, 1.8) * thickness
+        feet = [cylinder(wide, 0.3 * thickness, "z", (s * half, 0, 0.15 * thickness), 16) for s in (-1, 1)]
+        return [*feet, *bow_handle(draw, length, thickness, reach, vertical=False)]
+    if kind == "capped":
+        bar = cylinder(0.5 * thickness, 2 * post, "x", (0, 0, reach), 12)
+        posts = [cylinder(0.4 * thickness, reach, "z", (s * 0.8 * post, 0, 0.5 * reach), 10) for s in (-1, 1)]
+        ball = np.full(3, draw.between(0.6, 0.9) * thickness)
+        return [bar, *posts, *(ellipsoid(ball, (s * post, 0, reach), 12, 8) for s in (-1, 1))]
+    if kind == "bracket":
+        flat = draw.between(0.4, 2.5) * thickness
+        arms = [box((0.5 * thickness, flat, reach), (s * (half - 0.25 * thickness), 0, 0.5 * reach)) for s in (-1, 1)]
+        grip = box((length, flat, 0.5 * thickness), (0, 0, reach))
+        plates = [box((2 * thickness, flat, 0.15 * thickness), (s * half, 0, 0.08 * thickness)) for s in (-1, 1)]
+        return [grip, *arms, *(plates if draw.chance(0.4) else [])]
+    if kind == "blocks":
+        angles = np.radians(np.linspace(0, 180, draw.integer(4, 9) + 1))
+        points = np.stack([-half * np.cos(angles), np.zeros(len(angles)), reach * np.sin(angles)], axis=1)
+        pieces = []
+        for start, end in pairwise(points):
+            tilt = np.degrees(np.arctan2(-(end - start)[2], (end - start)[0]))
+            block = box((1.05 * float(np.linalg.norm(end - start)), thickness, 0.6 * thickness))
+            pieces.append(move(turn(block, (0, 1, 0), tilt), 0.5 * (start + end)))
+        return pieces
+    bars = [cylinder(0.3 * thickness, length, "x", (0, s * 0.6 * thickness, reach), 8) for s in (-1, 1)]
+    return [*bars, *(box((thickness, 1.6 * thickness, reach), (s * post, 0, 0.5 * reach)) for s in (-1, 1))]
 
 
 def knob_handle(draw: Draw, radius: float, reach: float) -> list[Mesh]:
@@ -159,11 +193,14 @@ def pull(
     reach = max(1.5 * thickness, length * draw.between(0.12, 0.3)) if reach is None else reach
     flat = {"cup": 1, "shell": 1, "ledge": 2, "edge": 1.5, "drop": 1, "ring": 1, "sunk": 1.5, "dish": 0.7, "plated": 1}
     flat |= {"plate": 0.7, "tab": 0.7}
-    kind = draw.pick(["bar", "bow", "knob", "block", *flat], [8, 6, 9, 3, *flat.values()])
+    kind = draw.pick(["bar", "bow", "assembled", "knob", "block", *flat], [8, 6, 4, 9, 3, *flat.values()])
     if kind == "bar":
         pieces = bar_handle(draw, length, thickness, reach, vertical=vertical)
     elif kind == "bow":
         pieces = bow_handle(draw, length, thickness, reach, vertical=vertical)
+    elif kind == "assembled":
+        pieces = assembled_handle(draw, length, thickness, reach)
+        pieces = [turn(piece, Z, 90.0) for piece in pieces] if vertical else pieces
     elif kind == "knob":
         pieces = knob_handle(draw, min(0.2 * length, draw.between(0.8, 1.6) * thickness), reach)
     elif kind == "block":

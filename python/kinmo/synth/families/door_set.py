@@ -124,21 +124,42 @@ class _Leaf:
             leaf.nodes.append(group.add("fixed_part", *grip))
             return []
         reach = self.draw.between(0.04, 0.07)
-        movable: list[Mesh] = []
-        grips = dict(zip((1.0, -1.0), self.draw.identical(2), strict=True))
-        for face in (1.0, -1.0) if self.draw.chance(0.6) else (1.0,):
+        faces = (1.0, -1.0) if self.draw.chance(0.6) else (1.0,)
+        grips = []
+        for own, face in zip(self.draw.identical(len(faces)), faces, strict=True):
             start = place + [0, 0, face * self.thickness / 2]
-            movable += [move(piece, start) for piece in self._grip(grips[face], kind, reach, out, face)]
-        if self.draw.chance(0.5):
-            plate = box_between(place - [0.03, 0.09, 0.52 * self.thickness], place + [0.03, 0.09, 0.52 * self.thickness])
+            grips.append([move(piece, start) for piece in self._grip(own, kind, reach, out, face)])
+        for plate in self._roses(place, faces):
             leaf.nodes.append(group.add("fixed_part", plate))
         if self.draw.chance(0.35):
-            leaf.nodes.append(group.add("fixed_part", *movable))
+            leaf.nodes.append(group.add("fixed_part", *(piece for grip in grips for piece in grip)))
             return []
-        node = group.add("moving_part", *movable)
-        turning = hinge(place, (0, 0, out), 0, self.draw.between(30, 60))
-        motion = turning if kind == "lever" else spinner(place, (0, 0, 1))
-        return [Link("handle", [node], leaf, motion, leaf_name="handle"), *self.extras(group, place, leaf)]
+        if self.draw.chance(0.7):
+            grips = [[piece for grip in grips for piece in grip]]
+        turns = self.draw.between(30, 60)
+        links = []
+        for grip in grips:
+            motion = hinge(place, (0, 0, out), 0, turns) if kind == "lever" else spinner(place, (0, 0, 1))
+            links.append(Link("handle", [group.add("moving_part", *grip)], leaf, motion, leaf_name="handle"))
+        return [*links, *self.extras(group, place, leaf)]
+
+    def _roses(self, place: np.ndarray, faces: tuple[float, ...]) -> list[Mesh]:
+        """What a handle turns on: a plate through the leaf, a plate or disc on each face (and one for the key), or nothing."""
+        kind = self.draw.pick(["through", "plates", "discs", "none"], [3, 2, 4, 4])
+        if kind == "through":
+            return [box_between(place - [0.03, 0.09, 0.52 * self.thickness], place + [0.03, 0.09, 0.52 * self.thickness])]
+        thin, radius, drop = self.draw.between(0.003, 0.012), self.draw.between(0.02, 0.035), self.draw.between(0.07, 0.12)
+        keyhole = self.draw.chance(0.6)
+        pieces = []
+        for face in faces if kind != "none" else ():
+            foot = place + [0, 0, face * (self.thickness + thin) / 2]
+            if kind == "plates":
+                pieces.append(box((1.8 * radius, 2.6 * drop, thin), foot - [0, 0.5 * drop, 0]))
+                continue
+            pieces.append(cylinder(radius, thin, "z", foot, 20))
+            if keyhole:
+                pieces.append(cylinder(0.9 * radius, thin, "z", foot - [0, drop, 0], 20))
+        return pieces
 
     def _grip(self, draw: Draw, kind: str, reach: float, out: float, face: float) -> list[Mesh]:
         """A lever or knob with its foot at the origin, to the front (`face` 1) or to the rear (-1)."""

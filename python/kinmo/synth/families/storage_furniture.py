@@ -5,22 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer, legs
-from kinmo.synth.details.casework_doors import (
-    add_folding_door,
-    add_hung_door,
-    add_parts_behind,
-    add_sliding_doors,
-    add_tipping_bin,
-)
-from kinmo.synth.details.casework_extras import (
-    add_casters,
-    add_false_front,
-    add_leaning_drawer,
-    add_lift_top,
-    add_locked_door,
-    add_pullout,
-)
+from kinmo.synth.details.casework import Fronts, Opening, add_door, legs
+from kinmo.synth.details.casework_extras import add_casters, add_lift_top, add_trim
+from kinmo.synth.details.casework_filling import furnish, shares
 from kinmo.synth.details.posture import turn_about_up
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box_between, cylinder, open_box
@@ -28,10 +15,8 @@ from kinmo.synth.synth_object import JointType, Link, Node, SynthObject
 
 TURNED_SHARE = 0.06
 """Share of carcasses that are turned about the vertical by any quarter."""
-TIPPING_SHARE = 0.15
-"""Share of flaps that are the front of a bin."""
-BEHIND_SHARE = 0.12
-"""Share of doors and flaps with drawers or another door behind them."""
+TRIMMED_SHARE = 0.2
+"""Share of carcasses with fixed trim: skirting, cornices, pilasters and so on."""
 SHELL_SHARE = 0.15
 """Share of carcasses that are one hollow surface instead of boards."""
 
@@ -78,6 +63,8 @@ def build(draw: Draw) -> SynthObject:
     elif draw.chance(0.7):
         base.nodes.append(_add_base(draw, cabinet, size))
     links += _fill(draw, cabinet, frame, base, size)
+    if draw.chance(TRIMMED_SHARE):
+        add_trim(draw, cabinet, base, (-x, -y, -z), (x, y, z))
     shape = SynthObject("StorageFurniture", root, links)
     if draw.chance(TURNED_SHARE):
         turn_about_up(draw, shape)
@@ -156,17 +143,17 @@ def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) ->
     columns = draw.pick([1, 2, 3, 4], [4, 4, 2, 1]) if inner > 0.8 else draw.pick([1, 2], [4, 1])
     inner_depth = size.depth - 1.5 * board
     edge = -inner / 2
-    for width in _shares(draw, columns, inner, board):
+    for width in shares(draw, columns, inner, board):
         x, left = edge + width / 2, edge - board
         edge += width + board
         if left > -inner / 2:
             low = (left, -size.height / 2 + board, -size.depth / 2 + board)
             frame.add("vertical_divider_panel", box_between(low, (left + board, size.height / 2 - board, size.front)))
-        rows = _shares(draw, draw.pick([1, 2, 3, 4, 5, 8], [3, 4, 3, 2, 1, 0.4]), size.height - 2 * board, board)
+        rows = shares(draw, draw.pick([1, 2, 3, 4, 5, 8], [3, 4, 3, 2, 1, 0.4]), size.height - 2 * board, board)
         top = size.height / 2 - board
         for share in rows:
             opening = Opening(x, top - share / 2, width, share, inner_depth, size.front)
-            links += _furnish(draw, cabinet, base, opening, fronts, size)
+            links += furnish(draw, cabinet, base, opening, fronts, size.board)
             top -= share + board
             if share is not rows[-1]:
                 shelf = box_between((x - width / 2, top, -size.depth / 2 + board), (x + width / 2, top + board, size.front))
@@ -178,54 +165,3 @@ def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) ->
         opening = Opening(0, 0, inner, size.height - 2 * board, inner_depth, size.front)
         links.append(add_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"])))
     return links
-
-
-def _shares(draw: Draw, count: int, room: float, board: float) -> list[float]:
-    """Sizes of openings beside or below each other, with boards between them: equal, or of very different proportions."""
-    shares = [draw.ratio(0.35, 2.2) for _ in range(count)] if draw.chance(0.5) else [1.0] * count
-    free = room - (count - 1) * board
-    return [free * share / sum(shares) for share in shares]
-
-
-def _furnish(draw: Draw, cabinet: Node, base: Link, opening: Opening, fronts: Fronts, size: _Carcass) -> list[Link]:
-    """Fill one opening with a drawer, doors, a board or nothing, depending on its proportions."""
-    aspect = opening.height / opening.width
-    rare = draw.between(0.0, 1.0)
-    if rare < 0.05:
-        add_false_front(draw, cabinet, base, opening, fronts)
-        return []
-    if rare < 0.075:
-        return [add_pullout(draw, cabinet, base, opening)]
-    if rare < 0.095 and aspect < 1.0:
-        return [add_leaning_drawer(draw, cabinet, base, opening, fronts)]
-    if rare < 0.13 and 0.6 < aspect < 3.0:
-        return add_locked_door(draw, cabinet, base, opening, fronts, draw.pick(["left", "right"]))
-    if aspect < 0.75 and draw.chance(0.7):
-        return [add_drawer(draw, cabinet, base, opening, fronts)]
-    if aspect > 2.8 and draw.chance(0.3):
-        return []
-    kind = draw.pick(
-        ["door", "pair", "flap", "slide", "fold", "hung", "open"],
-        [5, 3 if aspect < 1.6 else 0.5, 1.6 if aspect < 1.2 else 0.2, 0.8, 0.4, 0.15, 1.5],
-    )
-    if kind == "door" and aspect < 0.55 and draw.chance(0.8):
-        kind = "flap"
-    if kind in ("door", "flap"):
-        sides = ["left", "right"] if kind == "door" else ["top", "bottom"]
-        if kind == "flap" and draw.chance(TIPPING_SHARE):
-            return [add_tipping_bin(draw, cabinet, base, opening, fronts)]
-        links = [add_door(draw, cabinet, base, opening, fronts, draw.pick(sides))]
-        if draw.chance(BEHIND_SHARE):
-            links += add_parts_behind(draw, cabinet, base, opening, fronts)
-        return links
-    if kind == "pair":
-        half = opening.width / 2 + 0.5 * max(fronts.gap, 0.0) * draw.pick([0.0, 1.0])
-        width = half if fronts.gap >= 0 else opening.width / 2 + fronts.gap
-        return add_door_pair(draw, cabinet, base, opening, fronts, width)
-    if kind == "fold":
-        return add_folding_door(draw, cabinet, base, opening, fronts)
-    if kind == "hung":
-        return [add_hung_door(draw, cabinet, base, opening, fronts)]
-    if kind == "slide":
-        return add_sliding_doors(draw, cabinet, base, opening, 0.8 * size.board)
-    return []
