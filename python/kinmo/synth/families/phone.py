@@ -10,7 +10,7 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, Y, Z, box, cylinder, facing, rotation_about, rounded_box
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
-RESTING_KEYS_SHARE = 0.3
+RESTING_KEYS_SHARE = 0.15
 """Share of phones with a moving half whose keys do not move."""
 
 

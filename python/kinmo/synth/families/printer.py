@@ -12,7 +12,7 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, Y, Z, box, box_between, facing, rotation, rounded_box, turn
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider
 
-RESTING_KEYS_SHARE = 0.3
+RESTING_KEYS_SHARE = 0.15
 """Share of control panels whose keys do not move, on printers with other joints."""
 
 

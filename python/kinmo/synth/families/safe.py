@@ -43,7 +43,7 @@ _SIZES = {
 
 FIXED_LOCK_SHARE = 0.08
 """Share of locks that do not move."""
-RESTING_KEYS_SHARE = 0.2
+RESTING_KEYS_SHARE = 0.08
 """Share of keypads whose keys do not move."""
 INSET, OVERLAID = "inset", "overlaid"
 """Doors that fit into the casing's front, and doors that lie on it."""
