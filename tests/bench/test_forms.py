@@ -14,6 +14,7 @@ from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.core.motion_types import MotionType
+from kinmo.core.shape import Mesh
 from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
 
@@ -29,11 +30,16 @@ def cupboard():
 
 
 def drawer_box():
-    """A box with a front that slides out and shares corners with it."""
+    """A box with a front that slides out and is flush with it: nothing lies between their surfaces."""
     front = ((0.0, 0.0, 1.0), (1.0, 2.0, 1.5))
-    return shape_of_boxes(
-        [BODY, front], [Body(0, "body", (1,)), Body(1, "front", (2,), 0, SLIDE)], shape_id="drawer", category="Box"
-    )
+    bodies = [Body(0, "body", (1,)), Body(1, "front", (2,), 0, SLIDE)]
+    shape = shape_of_boxes([BODY, front], bodies, shape_id="drawer", category="Box")
+    return replace(shape, parts=tuple(replace(part, mesh=part.mesh and open_at_front(part.mesh)) for part in shape.parts))
+
+
+def open_at_front(mesh):
+    """The mesh without its faces in the plane z = 1."""
+    return Mesh(mesh.vertices, mesh.faces[np.ptp(mesh.triangles[:, :, 2], axis=1) + abs(mesh.triangles[:, 0, 2] - 1.0) > 0.0])
 
 
 class Stub:

@@ -238,10 +238,13 @@ def test_a_bad_shape_stops_no_other(trained: Trained, tmp_path: Path) -> None:
 
 
 def test_repairs_of_a_shape_are_noted(trained: Trained, tmp_path: Path) -> None:
-    source = next((trained.shapes / "partnet").iterdir())
+    source = sorted((trained.shapes / "partnet").iterdir())[0]
     shutil.copytree(source, tmp_path / "shapes" / source.name)
-    mesh = sorted((tmp_path / "shapes" / source.name / "objs").glob("*.obj"))[-1]
-    mesh.write_text("", encoding="utf-8")
+    nodes = json.loads((source / "result.json").read_text())
+    while nodes[0].get("children"):
+        nodes = nodes[0]["children"]
+    for name in nodes[0]["objs"]:
+        (tmp_path / "shapes" / source.name / "objs" / f"{name}.obj").write_text("", encoding="utf-8")
     recorder = Recorder()
     found = PredictShapes(tmp_path / "shapes", tmp_path / "out", trained.workspace, METHODS[0], device="cpu").run(recorder)
     (shape,) = found.data["shapes"]
