@@ -5,11 +5,11 @@ The objects are annotated shapes in the layout of PartNet-Mobility. Each is pred
     hierarchy   the tree of parts with names
     named       a flat list of the leaves with their names
     unnamed     a flat list of the leaves in random order, called part_0, part_1, ...
-    pieces      the loose pieces of all triangles together, in random order and without names
+    pieces      the loose pieces of all triangles together, divided at creases, in random order and without names
 
 Categories are known in the first form only. Predictions are exported as URDF and scored as `kinmo eval FILES` does it
 (docs/background/metrics.md, "URDF files"): `found` and `ok` are shares of all true joints, `precision` of the predicted bodies
-that move. `best` is the share of movable bodies that the parts of a form can express. It is below 1 where a loose piece joins a
+that move. `best` is the share of movable bodies that the parts of a form can express. It is below 1 where a patch joins a
 body to its neighbours. `ECE` is the expected calibration error of predicted joints in ten bins of equal count. `ok 50` and
 `ok 80` are the shares of ok joints among the most probable 50 % and 80 %. The line below the tables tells how the logits of the
 probabilities would have to change to fit these objects best (`ranking.score_slope` and `score_offset`).
@@ -135,7 +135,7 @@ def score_form(truth: Shape, form: str, predictor: AnyPredictor, folder: Path, s
 def _expressible(truth: Shape, shown: Shape, form: str, folder: Path) -> int:
     """Number of movable bodies that the parts of a form can express.
 
-    Leaves never belong to two bodies. A loose piece may join several: the true joints of the pieces are scored to find out.
+    Leaves never belong to two bodies. A patch may join several: the true joints of the pieces are scored to find out.
     """
     assert truth.mobility is not None and shown.mobility is not None
     if form != PIECES:

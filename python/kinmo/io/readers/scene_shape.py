@@ -81,7 +81,8 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
         for index in floor_planes(meshes, up):
             repairs.append(f"{_title(nodes[index], index)} is a floor: dropped")
             del meshes[index]
-        if len(meshes) == 1:
+        is_one = len(meshes) == 1
+        if is_one:
             ((index, mesh),) = meshes.items()
             own = pieces_of_faces(mesh, most=len(mesh.faces))
             pieces = [piece for piece in _split(mesh, own, repairs) if has_surface(piece)]
@@ -90,12 +91,13 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
             repairs.append(f"one mesh: split into {counted(len(pieces), 'loose piece')}")
             if len(pieces) > 1:
                 nodes, meshes = _with_pieces(nodes, index, pieces)
-        nodes, meshes = _with_patches(nodes, meshes, repairs)
+        if is_one or _are_loose_pieces(nodes, meshes):
+            nodes, meshes = _with_patches(nodes, meshes, repairs)
         if len(meshes) == 1:
             raise InputError(scene.path, f"is one surface, so no parts can be told apart: {HOW_TO_GET_PARTS}")
     if len(meshes) > MAX_PARTS:
-        whole, keys = join(*meshes.values()), np.array(list(meshes))
-        own = np.repeat(np.arange(len(keys)), [len(mesh.faces) for mesh in meshes.values()])
+        keys = np.array(list(meshes))
+        whole, own = _joined(meshes)
         own = merge_small_parts(whole, own, MAX_PARTS)
         repairs.append(_merging(len(keys)))
         meshes = dict(zip(keys[np.unique(own)].tolist(), split_mesh(whole, own), strict=True))
@@ -124,20 +126,28 @@ def _with_pieces(
     return (*nodes, *found), meshes
 
 
+def _are_loose_pieces(nodes: tuple[SceneNode, ...], meshes: dict[int, Mesh]) -> bool:
+    """True if the meshes are no more than the loose pieces of one mesh, of which there is room for patches.
+
+    False if names tell them apart, if one has several loose pieces, or if two share vertices.
+    """
+    if len(meshes) >= MAX_PATCHES or tell_apart(nodes[index].name for index in meshes):
+        return False
+    whole, own = _joined(meshes)
+    pieces = pieces_of_faces(whole, most=len(whole.faces))
+    return len(np.unique(np.column_stack([own, pieces]), axis=0)) == len(meshes) == int(pieces.max()) + 1
+
+
+def _joined(meshes: dict[int, Mesh]) -> tuple[Mesh, NDArray[np.int64]]:
+    """All meshes as one, and the position [F] of the mesh of every face."""
+    return join(*meshes.values()), np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes.values()])
+
+
 def _with_patches(
     nodes: tuple[SceneNode, ...], meshes: dict[int, Mesh], repairs: list[str]
 ) -> tuple[tuple[SceneNode, ...], dict[int, Mesh]]:
-    """Nodes and meshes with patches below each loose piece, if the meshes are no more than the loose pieces of one mesh.
-
-    Meshes with names that tell them apart stay as they are, and so do those that have several loose pieces or share vertices.
-    """
-    if len(meshes) >= MAX_PATCHES or tell_apart(nodes[index].name for index in meshes):
-        return nodes, meshes
-    whole, keys = join(*meshes.values()), list(meshes)
-    own = np.repeat(np.arange(len(keys)), [len(mesh.faces) for mesh in meshes.values()])
-    pieces = pieces_of_faces(whole, most=len(whole.faces))
-    if len(np.unique(np.column_stack([own, pieces]), axis=0)) != len(keys) or int(pieces.max()) + 1 != len(keys):
-        return nodes, meshes
+    """Nodes and meshes with the patches of each loose piece below it."""
+    whole, own = _joined(meshes)
     patches = patches_of_faces(whole, own, most=MAX_PATCHES)
     below: dict[int, list[Mesh]] = {}
     _, first = np.unique(patches, return_index=True)
@@ -145,7 +155,7 @@ def _with_patches(
         if has_surface(mesh):
             below.setdefault(piece, []).append(mesh)
     found: dict[int, Mesh] = {}
-    for place, index in enumerate(keys):
+    for place, index in enumerate(meshes):
         if len(below.get(place, ())) < 2:
             found[index] = meshes[index]
             continue
