@@ -46,10 +46,11 @@ from kinmo.evaluation.urdf_scoring.urdf_scores import ObjectScore
 from kinmo.io.discover import discover
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.partnet_annotation import check_annotated
-from kinmo.io.writers.urdf_writer import write_urdf
+from kinmo.io.writers import ExportOptions, export
 
 QUICK = 3
 PIECES = "pieces"
+BARE = ExportOptions(collision="none")
 BINS = 10
 """Bins of the calibration error."""
 COLUMNS = {"recall": "found", "type": "type", "ok": "ok", "precision": "precision", "range_iou": "range IoU"}
@@ -140,7 +141,7 @@ def _expressible(truth: Shape, shown: Shape, form: str, folder: Path) -> int:
     assert truth.mobility is not None and shown.mobility is not None
     if form != PIECES:
         return sum(1 for _ in truth.mobility.movable())
-    return sum(part.found for part in score_urdf(truth, write_urdf(shown, shown.mobility, folder), folder).parts)
+    return sum(part.found for part in score_urdf(truth, export(shown, shown.mobility, folder, ["urdf"], BARE)["urdf"], folder).parts)
 
 
 def calibration_error(probabilities: NDArray[np.float64], is_ok: NDArray[np.bool_], bins: int = BINS) -> float | None:

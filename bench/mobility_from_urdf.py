@@ -30,8 +30,7 @@ from kinmo.core.shape import Part, Shape
 from kinmo.io.readers.robot_bodies import link_poses, robot_bodies
 from kinmo.io.readers.scene import placed
 from kinmo.io.readers.urdf_reader import read_robot_file
-from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
-from kinmo.io.writers.writer import ExportOptions
+from kinmo.io.writers import ExportOptions, export
 from urdf_objects import FACTS_FILE, URDF_FILE
 
 
@@ -91,7 +90,7 @@ def write_truth(folder: Path, out: Path) -> Shape:
     shape, facts = read_urdf_object(folder)
     assert shape.mobility is not None
     meta = {key: facts[key] for key in ("asset", "generator", "version", "licence", "seed") if key in facts}
-    write_partnet_mobility(shape, shape.mobility, out, ExportOptions(name=shape.id, meta=meta))
+    export(shape, shape.mobility, out, ["partnet_mobility"], ExportOptions(meta=meta))
     return replace(shape, source=out)
 
 

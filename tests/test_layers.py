@@ -15,6 +15,7 @@ ROOT = Path(kinmo.__file__).parent
 LAYERS = (
     ("_core",),
     ("core", "config"),
+    ("robot",),
     ("io",),
     ("features",),
     ("learning",),
@@ -31,7 +32,7 @@ LAYERS = (
 )
 """Layers from top to bottom; "" is the package itself, which offers the public API."""
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
-WITHOUT_TORCH = ("core", "config", "io", "features", "dataset", "synth", "view", "cli", "")
+WITHOUT_TORCH = ("core", "config", "robot", "io", "features", "dataset", "synth", "view", "cli", "")
 """Packages that must be imported fast."""
 APART = ("methods.paper", "methods.kinmo")
 """Packages that never import each other."""

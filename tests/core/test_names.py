@@ -27,3 +27,11 @@ def test_only_long_names_are_shortened() -> None:
 
 def test_names_become_unique_identifiers() -> None:
     assert unique_names(["a b", "a/b", "A_B", "", "<>", "x"]) == ["a_b", "a_b_2", "A_B_3", "part", "part_2", "x"]
+    assert unique_names(["3rd-drawer.left", "7"]) == ["part_3rd_drawer_left", "part_7"]
+
+
+@given(st.lists(st.text()))
+def test_identifiers_are_valid_and_differ_whatever_the_names(names: list[str]) -> None:
+    found = unique_names(names)
+    assert all(name.isidentifier() and name.isascii() for name in found)
+    assert len({name.lower() for name in found}) == len(names)

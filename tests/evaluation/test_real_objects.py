@@ -3,12 +3,11 @@
 import pybullet
 import pytest
 
+from exports import write_partnet_mobility, write_urdf
 from kinmo.core.joint import JointKind
 from kinmo.core.links import links_of
 from kinmo.evaluation.urdf_scoring import score_urdf
 from kinmo.io.readers import read_partnet_mobility
-from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
-from kinmo.io.writers.urdf_writer import write_urdf
 
 pytestmark = pytest.mark.real
 EVERY = 48

@@ -30,7 +30,8 @@ from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.readers import read_partnet
 from kinmo.io.readers.joints_json_reader import read_joints_json
 from kinmo.io.readers.stated_facts import StatedFacts
-from kinmo.io.writers import WRITERS, write_urdf
+from kinmo.io.writers import WRITERS, ExportedObject
+from kinmo.io.writers.urdf_writer import write_urdf
 from kinmo.pipeline import predict_shapes
 from kinmo.pipeline.predict_shapes import PredictShapes
 
@@ -95,10 +96,10 @@ def test_names_that_fit_stay_as_they_are(stage: PredictShapes, name: str) -> Non
 
 
 def test_a_result_that_cannot_be_written_stops_no_other_shape(stage: PredictShapes, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(shape: Any, prediction: Any, folder: Path, options: Any) -> Path:
-        if shape.id == "b":
+    def full(exported: ExportedObject, folder: Path) -> Path:
+        if exported.shape.id == "b":
             raise OSError(28, os.strerror(28), str(folder / "b.urdf"))
-        return write_urdf(shape, prediction, folder, options)
+        return write_urdf(exported, folder)
 
     monkeypatch.setitem(WRITERS, "urdf", full)
     for name in "abc":

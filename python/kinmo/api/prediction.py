@@ -27,9 +27,11 @@ from kinmo.io.atomic_files import write_text_atomically
 from kinmo.io.folder_lock import locked
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE, parse_overrides, read_overrides
 from kinmo.io.result_folder import formats_in, read_result, write_result
-from kinmo.io.writers import ExportOptions
+from kinmo.io.writers import ExportedObject, ExportOptions
 from kinmo.io.writers.joints_json_writer import write_joints_json
 from kinmo.io.writers.overrides_writer import overrides_text
+from kinmo.robot.collision_geometry import DEFAULT_MODE, CollisionMode
+from kinmo.robot.robot_builder import Physics
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,6 +206,8 @@ class Prediction:
         *,
         name: str | None = None,
         metres_per_unit: float | None = None,
+        collision: CollisionMode = DEFAULT_MODE,
+        physics: Physics | None = None,
         overwrite: bool = False,
     ) -> dict[str, Path]:
         """Write the shape with its joints.
@@ -212,9 +216,11 @@ class Prediction:
 
         Args:
             folder: The folder to write.
-            formats: Names of formats (`kinmo.io.writers.WRITERS`), such as "urdf", "joints_json" or "partnet_mobility".
+            formats: Names of formats (`kinmo.io.writers.WRITERS`): "urdf", "mjcf", "joints_json", "partnet_mobility".
             name: Name of the model; None for the folder's name.
             metres_per_unit: Length of a unit of the shape's file in metres. None for that of the shape.
+            collision: How parts collide: as "convex" pieces, as the "hull" of each part, as their "mesh", or "none".
+            physics: Density of the parts, and constants of the joints. None for kinmo's own.
             overwrite: Replace a folder with files in it, as a whole. An overrides.toml in it stays.
 
         Returns:
@@ -232,7 +238,9 @@ class Prediction:
         scale = self.shape.metres_per_unit if metres_per_unit is None else metres_per_unit
         if not 0.0 < scale < math.inf:
             raise InputError("metres_per_unit", f"expected a positive number, got {scale}")
-        options = ExportOptions(name or folder.name, scale, provenance=self.provenance)
+        options = ExportOptions(
+            name or folder.name, scale, provenance=self.provenance, collision=collision, physics=physics or Physics()
+        )
         texts = self._overrides_text(folder) if "joints_json" in formats else {}
         written = write_result(self.shape, self.estimate, folder, formats, options, texts=texts)
         _record(folder, written.files)
@@ -255,7 +263,7 @@ class Prediction:
         options = ExportOptions(name, self.shape.metres_per_unit, provenance=self.provenance, formats=formats)
         for file, text in self._overrides_text(folder).items():
             write_text_atomically(folder / file, text)
-        path = write_joints_json(self.shape, self.estimate, folder, options)
+        path = write_joints_json(ExportedObject(self.shape, self.estimate, options), folder)
         _record(folder, [path.name])
         return path
 

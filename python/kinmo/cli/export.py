@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions
+from kinmo.cli.options import CollisionName, CommonOptions, names_in
 
 
 def export(
@@ -19,8 +19,15 @@ def export(
     formats: Annotated[
         str | None,
         Option(
-            metavar="NAMES", help="Formats with commas between: urdf, joints_json, ...", show_default="those that are there"
+            "--format",
+            "--formats",
+            metavar="NAMES",
+            help="Formats with commas between: urdf, mjcf, joints_json, partnet_mobility.",
+            show_default="those that are there",
         ),
+    ] = None,
+    collision: Annotated[
+        CollisionName | None, Option(help="How parts collide in a simulator.", show_default="as before")
     ] = None,
     out: Annotated[
         Path | None,
@@ -36,16 +43,15 @@ def export(
     (docs/guide/correct.md). kinmo export applies them, each time to the joints as predicted, and writes the files of the result
     again. Without overrides.toml the files are those of kinmo predict. No network is needed.
 
-    With --formats partnet_mobility, corrected objects become training data for kinmo prepare.
+    With --format partnet_mobility, corrected objects become training data for kinmo prepare.
 
     For example:
 
         kinmo export out/cabinet
         kinmo export out/ --dry-run
-        kinmo export out/cabinet --formats urdf -o robots/
-        kinmo export out/ --formats partnet_mobility -o my_data/
+        kinmo export out/cabinet --format urdf,mjcf -o robots/
+        kinmo export out/ --format partnet_mobility -o my_data/
     """
     from kinmo.pipeline.export_results import ExportResults
 
-    names = tuple(name.strip() for name in (formats or "").split(",") if name.strip())
-    execute(options, ExportResults(results, names, out, source, options.worker_count))
+    execute(options, ExportResults(results, names_in(formats or ""), out, source, options.worker_count, collision))

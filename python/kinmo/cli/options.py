@@ -30,6 +30,8 @@ Start = Annotated[
         show_default=False,
     ),
 ]
+CollisionName = Literal["convex", "hull", "mesh", "none"]
+"""Modes of `kinmo.robot.collision_geometry`."""
 AxisName = Literal["x", "y", "z", "-x", "-y", "-z"]
 """Axes of `kinmo.core.frames`."""
 Cluster = Annotated[
@@ -40,6 +42,11 @@ Cluster = Annotated[
         show_default=False,
     ),
 ]
+
+
+def names_in(text: str) -> tuple[str, ...]:
+    """Names with commas between them, each once."""
+    return tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
 
 
 @dataclass(frozen=True)

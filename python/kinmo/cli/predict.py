@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Argument, BadParameter, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import AxisName, Cluster, CommonOptions, MethodName, refuse
+from kinmo.cli.options import AxisName, Cluster, CollisionName, CommonOptions, MethodName, names_in, refuse
 
 SCANS = "Options for scans"
 
@@ -51,6 +51,11 @@ def predict(
         Path | None,
         Option(help=".npy file with one integer per triangle of the shape: the number of its part.", show_default=False),
     ] = None,
+    formats: Annotated[
+        str,
+        Option("--format", metavar="NAMES", help="Formats beside joints.json, with commas between: urdf, mjcf, ..."),
+    ] = "urdf",
+    collision: Annotated[CollisionName, Option(help="How parts collide in a simulator.")] = "convex",
     cluster: Cluster = None,
     intrinsics: Annotated[
         str | None,
@@ -129,6 +134,8 @@ def predict(
         workers=options.worker_count,
         facts=StatedFacts(category, up, front, metres_per_unit, labels),
         cluster=cluster,
+        formats=names_in(formats),
+        collision=collision,
     )
     execute(options, shapes)
 

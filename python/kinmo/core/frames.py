@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Literal
 
 import numpy as np
@@ -67,4 +68,6 @@ def _rotation_to_y(up: Vector) -> NDArray[np.float64]:
 
 def roll_pitch_yaw(rotation: NDArray[np.float64]) -> Vector:
     """Roll, pitch and yaw [3] in radians of a rotation [3, 3]: angles about the fixed axes x, y, z, as URDF writes them."""
-    return np.asarray(Rotation.from_matrix(rotation).as_euler("xyz"))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Gimbal lock")  # one of the equal angles is as good as another
+        return np.asarray(Rotation.from_matrix(rotation).as_euler("xyz"))

@@ -24,18 +24,21 @@ def short_name(name: str, text: str) -> str:
 
 
 def unique_names(names: Iterable[str]) -> list[str]:
-    """Convert names to identifiers of letters, digits, `-` and `_` that differ even if case is ignored.
+    """Convert names to identifiers that differ even if case is ignored: letters, digits and `_`, with no digit first.
 
-    A repeated name gets a number, and a name without a valid character becomes `part`.
+    They are valid in URDF, MJCF and USD. A repeated name gets a number. One that begins with a digit, or has no valid
+    character, begins with `part`.
 
     Example:
-        >>> unique_names(["top door", "top/door", ""])
-        ['top_door', 'top_door_2', 'part']
+        >>> unique_names(["top door", "top/door", "3rd", ""])
+        ['top_door', 'top_door_2', 'part_3rd', 'part']
     """
     taken: set[str] = set()
     result = []
     for name in names:
-        stem = re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_") or "part"
+        stem = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_")
+        if not stem or stem[0].isdigit():
+            stem = f"part_{stem}".strip("_")
         candidate, number = stem, 2
         while candidate.lower() in taken:
             candidate, number = f"{stem}_{number}", number + 1

@@ -23,6 +23,7 @@ from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.readers.stated_facts import StatedFacts
 from kinmo.io.writers import ExportOptions, check_formats, write_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME
+from kinmo.robot.collision_geometry import COLLISION_MODES, DEFAULT_MODE, CollisionMode
 
 PREDICT_AGAIN = "run kinmo predict again, which keeps overrides.toml"
 """Remedy for a result that no longer fits the file of its shape."""
@@ -84,7 +85,17 @@ def read_result(folder: Path, source: Path | None = None) -> SavedResult:
     if scale <= 0.0:
         raise export["metres_per_unit"].fail("expected a positive number")
     name, formats = export["name"].text(), tuple(item.text() for item in export["formats"].items())
-    return SavedResult(shape, estimate, ExportOptions(name, scale, provenance=provenance, formats=formats))
+    options = ExportOptions(name, scale, provenance=provenance, formats=formats, collision=_collision(export["collision"]))
+    return SavedResult(shape, estimate, options)
+
+
+def _collision(field: JsonField) -> CollisionMode:
+    modes = {mode: mode for mode in COLLISION_MODES}
+    if field.is_absent:
+        return DEFAULT_MODE
+    if field.text() not in modes:
+        raise field.fail(f"expected one of {', '.join(modes)}")
+    return modes[field.text()]
 
 
 def formats_in(folder: Path) -> tuple[str, ...]:

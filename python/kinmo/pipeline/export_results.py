@@ -20,6 +20,7 @@ from kinmo.io.folder_lock import locked
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.writers import check_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME
+from kinmo.robot.collision_geometry import CollisionMode
 from kinmo.pipeline.result_export import (
     ExportedResult,
     ExportJob,
@@ -48,6 +49,7 @@ class ExportResults:
     out: Path | None = None
     source: Path | None = None  # file of the shape, if it is no longer where joints.json says; for one prediction alone
     workers: int = 1
+    collision: CollisionMode | None = None  # how parts collide; None for that of each result
 
     def plan(self) -> Plan:
         """Read all predictions and corrections."""
@@ -144,7 +146,8 @@ class ExportResults:
             if self.out is not None and self.out.resolve().is_relative_to(folder.resolve()):
                 raise InputError("--out", f"lies in the result {folder}: name a folder elsewhere")
             real = target.resolve()
-            jobs.append(ExportJob(folder, target, self.formats, self.source, files_of(caches[real.parent], real.name)))
+            replaced = files_of(caches[real.parent], real.name)
+            jobs.append(ExportJob(folder, target, self.formats, self.source, replaced, self.collision))
         return jobs
 
     def _name(self, folder: Path) -> str:

@@ -32,7 +32,7 @@ from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.result_folder import write_result
 from kinmo.io.source_files import fingerprint
-from kinmo.io.writers import ExportOptions
+from kinmo.io.writers import ExportOptions, check_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import load_trained_or_shipped
@@ -40,13 +40,14 @@ from kinmo.methods.method import Method
 from kinmo.pipeline.joint_lines import joint_lines
 from kinmo.pipeline.network_jobs import network_runner
 from kinmo.pipeline.result_export import apply_overrides
+from kinmo.robot.collision_geometry import CollisionMode
 from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
 SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
 SUSPICIOUS_SIZE = 20.0  # diagonal in metres above which an object is probably in millimetres
 MAX_REPAIRED_LINES = 40  # repaired shapes that are listed on the terminal; joints.json and --json have all repairs
 MAX_LISTED_SHAPES = 10  # largest number of shapes whose joints are listed on the terminal
-FORMATS = ("urdf", "joints_json")  # formats of a prediction's folder
+JOINTS_JSON = "joints_json"  # format that every result has
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,8 @@ class PredictShapes:
     workers: int = 1
     facts: StatedFacts = NO_FACTS  # what the user states about all shapes
     cluster: str | None = None  # address of a Ray cluster that runs the jobs; None for this machine
+    formats: tuple[str, ...] = ("urdf",)  # formats beside joints.json, keys of `kinmo.io.writers.WRITERS`
+    collision: CollisionMode = "convex"  # how parts collide in a simulator
 
     def plan(self) -> Plan:
         """Count the shapes without an up-to-date prediction."""
@@ -160,7 +163,9 @@ class PredictShapes:
 
     def _writer(self) -> PredictionWriter:
         method = load_trained_or_shipped(self.method, ModelFolder(self.workspace.models), self.device)
-        return PredictionWriter(method, self.seed, self.facts)
+        check_formats(self.formats)
+        formats = tuple(dict.fromkeys((*self.formats, JOINTS_JSON)))
+        return PredictionWriter(method, self.seed, self.facts, formats, self.collision)
 
     def _targets(self) -> tuple[list[tuple[ShapeSource, Path]], list[str]]:
         """Every shape with a folder of its own, named after its id, and problems. Raises InputError if there are neither.
@@ -215,11 +220,14 @@ class PredictionWriter:
 
     method: Method
     seed: int
-    facts: StatedFacts = NO_FACTS
+    facts: StatedFacts
+    formats: tuple[str, ...]
+    collision: CollisionMode
 
     def key(self, found: ShapeSource) -> str:
         """Cache key of a prediction. Raises InputError if the shape's files cannot be read."""
         settings = [self.method.name, self.method.weights, dict(self.method.config), self.seed, self.facts.key()]
+        settings += [self.formats, self.collision]
         return cache_key(source=_source(found), files=fingerprint(found), settings=settings)
 
     def __call__(self, job: PredictionJob) -> list[str] | str:
@@ -229,8 +237,10 @@ class PredictionWriter:
             shape = job.found.read(self.facts)
             prediction = predict_shape(shape, self.method, seed=self.seed)
             provenance = PredictionProvenance(self.method.weights, self.method.config)
-            options = ExportOptions(job.folder.name, shape.metres_per_unit, provenance=provenance)
-            return list(write_result(shape, prediction, job.folder, FORMATS, options).files)
+            options = ExportOptions(
+                job.folder.name, shape.metres_per_unit, provenance=provenance, collision=self.collision
+            )
+            return list(write_result(shape, prediction, job.folder, self.formats, options).files)
         except ValueError as error:
             return str(error) if isinstance(error, InputError) else f"{printable_path(job.found.path)}: {error}"
         except OSError as error:

@@ -20,6 +20,7 @@ from kinmo.io.result_folder import SavedResult, files_below, read_result, write_
 from kinmo.io.writers import check_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME, joints_document
 from kinmo.pipeline.joint_lines import joint_lines
+from kinmo.robot.collision_geometry import CollisionMode
 
 JOINTS_JSON, PARTNET_MOBILITY = "joints_json", "partnet_mobility"
 """Names of formats."""
@@ -40,6 +41,7 @@ class ExportJob:
         formats: names of formats. Written again, a folder keeps its own formats too. Empty for those alone.
         source: the file of the shape; None for the one that joints.json names.
         replaced: files of `target` that kinmo wrote, which are replaced. Other files stay.
+        collision: how parts collide; None for that of the result.
     """
 
     folder: Path
@@ -47,6 +49,7 @@ class ExportJob:
     formats: tuple[str, ...] = ()
     source: Path | None = None
     replaced: tuple[str, ...] = ()
+    collision: CollisionMode | None = None
 
     @property
     def is_in_place(self) -> bool:
@@ -83,7 +86,8 @@ def corrected_result(job: ExportJob) -> tuple[SavedResult, tuple[str, ...]]:
         estimate = corrected_estimate(saved.shape, estimate, read_overrides(file))
     own = (*saved.options.formats, JOINTS_JSON)
     formats = (*own, *job.formats) if job.is_in_place else job.formats or own
-    return replace(saved, estimate=estimate), tuple(dict.fromkeys(formats))
+    options = saved.options if job.collision is None else replace(saved.options, collision=job.collision)
+    return replace(saved, estimate=estimate, options=options), tuple(dict.fromkeys(formats))
 
 
 def _export(job: ExportJob) -> ExportedResult:

@@ -12,6 +12,7 @@ from articulated import shape_of_boxes
 from scipy.spatial.transform import Rotation
 from trained_workspace import Recorder
 
+from exports import write_partnet_mobility, write_urdf
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
@@ -29,7 +30,7 @@ from kinmo.evaluation.urdf_scoring import urdf_scores as scoring
 from kinmo.evaluation.urdf_scoring.frame_alignment import align_surfaces, axis_rotations
 from kinmo.evaluation.urdf_scoring.sampled_surface import Surface
 from kinmo.io.readers.partnet_annotation import PSEUDO_LABEL
-from kinmo.io.writers import ExportOptions, write_partnet_mobility, write_urdf
+from kinmo.io.writers import ExportOptions
 from kinmo.pipeline.score_urdfs import ScoreUrdfs
 
 UP = np.array([0.0, 1, 0])

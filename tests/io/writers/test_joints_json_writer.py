@@ -9,12 +9,13 @@ import pytest
 from articulated import articulated_shapes, shape_of_boxes
 from hypothesis import given, settings
 
+from exports import write_joints_json
 from kinmo.core.errors import InputError
 from kinmo.core.mobility import Body
 from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.io.readers.joints_json_reader import read_joints_json
-from kinmo.io.writers import ExportOptions, write_joints_json
+from kinmo.io.writers import ExportOptions
 from kinmo.io.writers.joints_json_writer import joints_document
 
 SCHEMA = json.loads((files("kinmo.io.writers") / "joints.schema.json").read_text(encoding="utf-8"))

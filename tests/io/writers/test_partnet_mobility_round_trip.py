@@ -9,6 +9,7 @@ import numpy as np
 from articulated import articulated_shapes
 from hypothesis import given, settings
 
+from exports import write_partnet_mobility
 from kinmo.core.categories import canonical_category
 from kinmo.core.joint import Joint
 from kinmo.core.mobility import Body
@@ -16,7 +17,6 @@ from kinmo.core.shape import Shape
 from kinmo.core.vector import distance_to_line
 from kinmo.io.discover import discover
 from kinmo.io.readers import PARTNET_MOBILITY, read_partnet_mobility
-from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
 
 
 def round_trip(shape: Shape) -> Shape:

@@ -11,14 +11,16 @@ from articulated import articulated_shapes, shape_of_boxes
 from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
+from exports import write_urdf
 from kinmo.core.errors import InputError
 from kinmo.core.frames import z_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
 from kinmo.core.links import links_of
 from kinmo.core.mobility import Body, Mobility
-from kinmo.io.writers import ExportOptions, export, write_urdf
-from kinmo.io.writers.urdf_writer import leaf_files, link_origin
+from kinmo.core.names import unique_names
+from kinmo.io.writers import ExportOptions, export
+from kinmo.robot.robot_builder import build_robot
 
 UPS = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (0.6, 0.0, 0.8))
 STATES = 100
@@ -54,8 +56,8 @@ def load_robot(path, client):
 def test_a_simulator_moves_every_link_as_kinmo_does(tmp_path_factory, bullet, shape):
     scale = 0.7
     mobility = with_other_rest_values(shape.mobility)
-    options = ExportOptions(metres_per_unit=scale)
-    path = write_urdf(shape, mobility, tmp_path_factory.mktemp("robot") / "out", options)
+    path = write_urdf(shape, mobility, tmp_path_factory.mktemp("robot") / "out", ExportOptions(metres_per_unit=scale, collision="none"))
+    origins = {link.name: link.origin for link in build_robot(shape, mobility, scale).links}
     robot, joints, names = load_robot(path, bullet)
     rotation, links = z_up_rotation(np.array(shape.up)), links_of(mobility)
     rng = np.random.default_rng(0)
@@ -64,14 +66,14 @@ def test_a_simulator_moves_every_link_as_kinmo_does(tmp_path_factory, bullet, sh
         for link in links[1:]:
             offset = values[link.body] - link.joint.rest
             slides = link.joint.kind is not JointKind.REVOLUTE
-            first = f"{link.name}-slide-joint" if link.joint.kind is JointKind.SCREW else f"{link.name}-joint"
+            first = f"{link.name}_slide_joint" if link.joint.kind is JointKind.SCREW else f"{link.name}_joint"
             pybullet.resetJointState(robot, joints[first], offset * (scale if slides else 1.0), physicsClientId=bullet)
             if link.body in screw_angles:
-                pybullet.resetJointState(robot, joints[f"{link.name}-joint"], screw_angles[link.body], physicsClientId=bullet)
+                pybullet.resetJointState(robot, joints[f"{link.name}_joint"], screw_angles[link.body], physicsClientId=bullet)
         poses = forward(mobility, values, screw_angles)
         for link in links[1:]:
             state = pybullet.getLinkState(robot, names[link.name], computeForwardKinematics=1, physicsClientId=bullet)
-            start = rotation.T @ link_origin(shape, link, rotation, scale) / scale
+            start = rotation.T @ origins[link.name] / scale
             pose = poses[link.body]
             expected = scale * rotation @ (pose[:3, :3] @ start + pose[:3, 3])
             expected_rotation = rotation @ pose[:3, :3] @ rotation.T
@@ -102,23 +104,15 @@ def test_all_leaves_are_at_their_place(tmp_path_factory, shape):
     seen = {}
     for link in tree.iter("link"):
         for visual in link.iter("visual"):
-            file = visual.find("geometry/mesh").get("filename")
-            mesh = trimesh.load(path.parent / file, process=False)
-            leaf_rotation = Rotation.from_euler("xyz", np.array(visual.find("origin").get("rpy").split(), float))
+            mesh = trimesh.load(path.parent / visual.find("geometry/mesh").get("filename"), process=False)
+            assert visual.find("origin").get("rpy") == "0 0 0"
             shift = np.array(visual.find("origin").get("xyz").split(), float)
-            seen[file] = (leaf_rotation.apply(mesh.vertices) + shift + position(link.get("name")), mesh.faces)
-    assert len(seen) == len(shape.leaves)
-    for leaf, (vertices, faces) in zip(
-        shape.leaves, (seen[file] for file in sorted(seen, key=leaf_of_file(shape))), strict=True
-    ):
-        mesh = shape.parts[leaf].mesh
+            seen[visual.get("name")] = (mesh.vertices + shift + position(link.get("name")), mesh.faces)
+    for leaf, name in zip(shape.leaves, unique_names(shape.parts[leaf].name for leaf in shape.leaves), strict=True):
+        mesh, (vertices, faces) = shape.parts[leaf].mesh, seen.pop(name)
         assert vertices == pytest.approx(mesh.vertices @ rotation.T, abs=1e-9)
         assert np.array_equal(faces, mesh.faces)
-
-
-def leaf_of_file(shape):
-    """A function that gives the leaf of a mesh file."""
-    return {file: leaf for leaf, file in leaf_files(shape).items()}.__getitem__
+    assert not seen
 
 
 def cabinet(joint, **body):
@@ -164,7 +158,7 @@ def test_inertia_is_physically_possible(tmp_path):
 
 def test_names_of_joints_do_not_collide_with_names_of_bodies(tmp_path):
     screw = Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3))
-    names = ("base", "knob", "Knob-Slide", "knob-joint")
+    names = ("base", "knob", "Knob_Slide", "knob_joint")
     bodies = [Body(i, name, (i + 1,), 0 if i else None, screw if i else None) for i, name in enumerate(names)]
     shape = shape_of_boxes([((i, 0, 0), (i + 1, 1, 1)) for i in range(4)], bodies)
     tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
@@ -178,8 +172,8 @@ def test_names_of_joints_do_not_collide_with_names_of_bodies(tmp_path):
 def test_the_joints_of_a_screw_have_the_name_of_its_body(tmp_path):
     shape = cabinet(Joint(JointKind.SCREW, np.array([0.0, 1, 0]), np.zeros(3)))
     tree = ET.parse(write_urdf(shape, shape.mobility, tmp_path / "out"))
-    assert [link.get("name") for link in tree.iter("link")] == ["base", "door", "door-slide"]
-    assert [joint.get("name") for joint in tree.iter("joint")] == ["door-slide-joint", "door-joint"]
+    assert [link.get("name") for link in tree.iter("link")] == ["base", "door_slide", "door"]
+    assert [joint.get("name") for joint in tree.iter("joint")] == ["door_slide_joint", "door_joint"]
 
 
 def test_a_failed_export_leaves_the_old_folder(tmp_path, monkeypatch):
@@ -190,7 +184,7 @@ def test_a_failed_export_leaves_the_old_folder(tmp_path, monkeypatch):
     def fail(*_):
         raise OSError("disk full")
 
-    monkeypatch.setattr("kinmo.io.writers.urdf_writer.write_obj", fail)
+    monkeypatch.setattr("kinmo.io.writers.robot_meshes.write_obj", fail)
     with pytest.raises(OSError, match="disk full"):
         export(shape, shape.mobility, tmp_path / "out", ["urdf"], ExportOptions(metres_per_unit=2.0))
     assert path.read_bytes() == before

@@ -16,14 +16,16 @@ from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.io.atomic_files import write_folder_atomically
 from kinmo.io.writers.joints_json_writer import write_joints_json
+from kinmo.io.writers.mjcf_writer import write_mjcf
 from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
 from kinmo.io.writers.urdf_writer import write_urdf
-from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, Writer
+from kinmo.io.writers.writer import ExportedObject, ExportOptions, Writer
 
-__all__ = ["WRITERS", "ExportOptions", "Writer", "export", "write_joints_json", "write_partnet_mobility", "write_urdf"]
+__all__ = ["WRITERS", "ExportOptions", "ExportedObject", "Writer", "check_formats", "export", "write_formats"]
 
 WRITERS: dict[str, Writer] = {
     "joints_json": write_joints_json,
+    "mjcf": write_mjcf,
     "partnet_mobility": write_partnet_mobility,
     "urdf": write_urdf,
 }
@@ -35,7 +37,7 @@ def export(
     result: ShapeEstimate | Mobility,
     folder: Path,
     formats: Sequence[str],
-    options: ExportOptions = DEFAULT_OPTIONS,
+    options: ExportOptions = ExportOptions(),  # noqa: B008 (frozen)
 ) -> dict[str, Path]:
     """Write a shape with its joints in some formats, keys of `WRITERS`, into one folder.
 
@@ -59,5 +61,5 @@ def write_formats(
     shape: Shape, result: ShapeEstimate | Mobility, folder: Path, formats: Sequence[str], options: ExportOptions
 ) -> dict[str, Path]:
     """Write some formats into a folder that exists. Returns the path of the main file of each."""
-    options = replace(options, formats=tuple(formats))
-    return {name: WRITERS[name](shape, result, folder, options) for name in formats}
+    exported = ExportedObject(shape, result, replace(options, formats=tuple(formats)))
+    return {name: WRITERS[name](exported, folder) for name in formats}

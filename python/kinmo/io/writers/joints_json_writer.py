@@ -11,22 +11,20 @@ from typing import Any
 from kinmo._core import __version__
 from kinmo.core.errors import InputError
 from kinmo.core.joint import joint_to_data
-from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_digest import shape_digest
 from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.core.wording import printable_path
 from kinmo.io.atomic_files import write_json_atomically
-from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions
+from kinmo.io.writers.writer import ExportedObject, ExportOptions
 
 FILE_NAME = "joints.json"
 SCHEMA_VERSION = 1
 
 
-def write_joints_json(
-    shape: Shape, result: ShapeEstimate | Mobility, folder: Path, options: ExportOptions = DEFAULT_OPTIONS
-) -> Path:
+def write_joints_json(exported: ExportedObject, folder: Path) -> Path:
     """Write joints.json (see `kinmo.io.writers.writer.Writer`). Raises InputError if `result` is not a prediction."""
+    shape, result, options = exported.shape, exported.result, exported.options
     if not isinstance(result, ShapeEstimate):
         raise InputError(folder / FILE_NAME, "holds a prediction with scores: a mobility without scores cannot be written")
     document = joints_document(shape, result, options)
@@ -34,7 +32,7 @@ def write_joints_json(
     return folder / FILE_NAME
 
 
-def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOptions = DEFAULT_OPTIONS) -> dict[str, Any]:
+def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOptions) -> dict[str, Any]:
     """The content of joints.json, as the schema describes it."""
     provenance, correction = options.provenance, prediction.correction
     document = {
@@ -58,7 +56,7 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOpti
             "digest": shape_digest(shape),
             "repairs": list(shape.repairs),
         },
-        "export": {"name": options.name, "metres_per_unit": options.metres_per_unit, "formats": list(options.formats)},
+        "export": {"name": options.name, "metres_per_unit": options.metres_per_unit, "formats": list(options.formats), "collision": options.collision},
         "bodies": _bodies(shape, prediction),
     }
     if correction is not None:

@@ -17,31 +17,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.frames import Y_UP_TO_Z_UP, z_up_rotation
+from kinmo.core.frames import Y_UP_TO_Z_UP, roll_pitch_yaw, z_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.links import links_of
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.io.readers.partnet_annotation import META_FILE, MOBILITY_FILE, PSEUDO_LABEL
-from kinmo.io.writers.urdf_writer import robot_element, write_robot
-from kinmo.io.writers.writer import DEFAULT_OPTIONS, ExportOptions, mobility_of, write_obj
+from kinmo.io.writers.obj_writer import write_obj
+from kinmo.io.writers.urdf_writer import robot_element
+from kinmo.io.writers.writer import ExportedObject
+from kinmo.io.writers.xml_files import write_xml
+from kinmo.robot.robot_builder import build_robot
 
 MESHES = "textured_objs"
 MIN_RANGE = 1e-6
 """Smallest joint range that is written, in degrees (hinges) or diagonals. It is far below any measurable motion."""
 
 
-def write_partnet_mobility(
-    shape: Shape, result: ShapeEstimate | Mobility, folder: Path, options: ExportOptions = DEFAULT_OPTIONS
-) -> Path:
+def write_partnet_mobility(exported: ExportedObject, folder: Path) -> Path:
     """Write a shape as PartNet-Mobility does (see `kinmo.io.writers.writer.Writer`).
 
     The files are mobility_v2.json, result.json, meta.json, mobility.urdf, semantics.txt and one OBJ per leaf in textured_objs.
     Bodies are numbered in their order. Parts keep their ids. The setting `meta` is added to meta.json. Predictions that nobody
     corrected are marked there: `kinmo prepare` takes them for no annotation.
     """
-    mobility = mobility_of(result)
+    shape, result, mobility, options = exported.shape, exported.result, exported.mobility, exported.options
     rotation = Y_UP_TO_Z_UP.T @ z_up_rotation(np.asarray(shape.up, float))
     mark = {PSEUDO_LABEL: result.method} if isinstance(result, ShapeEstimate) and result.correction is None else {}
     facts = {"model_cat": shape.category or None, "model_id": shape.id, "anno_id": shape.partnet_id, **mark, **options.meta}
@@ -55,7 +56,9 @@ def write_partnet_mobility(
     # the same bodies, named like the links in the URDFs of the dataset
     numbered = Mobility(tuple(replace(body, name=f"link_{i}") for i, body in enumerate(mobility.bodies)), mobility.junk)
     files = {leaf: f"{MESHES}/{_mesh_name(leaf)}.obj" for leaf in shape.leaves}
-    write_robot(robot_element(shape, numbered, files=files, files_rotation=Y_UP_TO_Z_UP), folder / "mobility.urdf")
+    robot = build_robot(shape, numbered, collision="mesh")
+    root = robot_element(robot, lambda item: files[item.leaf], roll_pitch_yaw(Y_UP_TO_Z_UP))
+    write_xml(root, folder / "mobility.urdf")
     (folder / "semantics.txt").write_text("".join(_semantics(numbered, entries)), encoding="utf-8")
     return folder
 

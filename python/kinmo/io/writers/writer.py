@@ -1,15 +1,19 @@
-"""The common interface of all writers, and what they share."""
+"""The common interface of all writers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
 from kinmo.core.mobility import Mobility
-from kinmo.core.shape import Mesh, Shape
+from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
+from kinmo.robot.collision_geometry import CollisionMode
+from kinmo.robot.robot import Robot
+from kinmo.robot.robot_builder import Physics, build_robot
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,8 @@ class ExportOptions:
         meta: facts to add to the metadata of the format.
         provenance: the models and settings that made the prediction.
         formats: all formats of the export, keys of `kinmo.io.writers.WRITERS`.
+        collision: how parts collide in a simulator.
+        physics: density of parts, and constants of joints.
     """
 
     name: str = "model"
@@ -29,30 +35,40 @@ class ExportOptions:
     meta: Mapping[str, Any] = field(default_factory=dict)
     provenance: PredictionProvenance = field(default_factory=PredictionProvenance)
     formats: tuple[str, ...] = ()
+    collision: CollisionMode = "convex"
+    physics: Physics = field(default_factory=Physics)
 
 
-DEFAULT_OPTIONS = ExportOptions()
+@dataclass(frozen=True, eq=False)
+class ExportedObject:
+    """An object to write: its shape, its joints, and the settings of the export.
+
+    Attributes:
+        shape: the shape.
+        result: a prediction, or a bare mobility such as an annotation, in the frame and the length unit of the shape.
+        options: the settings.
+    """
+
+    shape: Shape
+    result: ShapeEstimate | Mobility
+    options: ExportOptions
+
+    @property
+    def mobility(self) -> Mobility:
+        """The bodies and joints."""
+        return self.result.mobility if isinstance(self.result, ShapeEstimate) else self.result
+
+    @cached_property
+    def robot(self) -> Robot:
+        """The robot that simulators load."""
+        options = self.options
+        return build_robot(self.shape, self.mobility, options.metres_per_unit, collision=options.collision, physics=options.physics)
 
 
 class Writer(Protocol):
-    """A function that writes a shape with its joints in one format into a folder, which is created if necessary.
+    """A function that writes an object in one format into a folder that exists.
 
-    The joints are a prediction, or a bare mobility such as an annotation. Both are in the frame and the length unit of the
-    shape. The function returns the path of the main file, or `folder` if the format has none.
+    It returns the path of the main file, or `folder` if the format has none.
     """
 
-    def __call__(
-        self, shape: Shape, result: ShapeEstimate | Mobility, folder: Path, options: ExportOptions = DEFAULT_OPTIONS, /
-    ) -> Path: ...
-
-
-def mobility_of(result: ShapeEstimate | Mobility) -> Mobility:
-    """The mobility of a prediction, or the bare mobility itself."""
-    return result.mobility if isinstance(result, ShapeEstimate) else result
-
-
-def write_obj(path: Path, mesh: Mesh) -> None:
-    """Write a mesh to an OBJ file, with all digits of its vertices and with its faces as they are."""
-    vertices = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in mesh.vertices.tolist())
-    faces = "".join(f"f {a} {b} {c}\n" for a, b, c in (mesh.faces.astype(int) + 1).tolist())
-    path.write_text(vertices + faces, encoding="ascii")
+    def __call__(self, exported: ExportedObject, folder: Path, /) -> Path: ...

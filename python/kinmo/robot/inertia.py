@@ -1,0 +1,86 @@
+"""Mass and inertia of a link, from the volume of closed parts and the boxes of open ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from kinmo.core.loose_pieces import is_closed, same_vertices
+from kinmo.core.shape import Mesh
+from kinmo.core.vector import Vector
+from kinmo.robot.convex_decomposition import box_of
+from kinmo.robot.robot import Inertial
+
+DENSITY = 100.0
+"""Density of the box of an open part, and of the volume of a closed one, in kg/m3. Furniture is mostly hollow."""
+MIN_MASS = 1e-3
+"""Least mass of a link in kg."""
+MIN_EXTENT = 1e-3
+"""Least extent of a box with a mass, in metres."""
+_BALL = Inertial(MIN_MASS, np.zeros(3), MIN_MASS / 6.0 * MIN_EXTENT**2 * np.eye(3))
+"""A link without parts."""
+
+
+def inertial_of(meshes: Sequence[Mesh], density: float = DENSITY) -> Inertial:
+    """Mass and inertia of a link with some parts, or of a tiny ball at the origin if it has none.
+
+    Args:
+        meshes: The parts.
+        density: Their density in kg/m3.
+    """
+    return joined(solid_inertial(mesh, density) if is_solid(mesh) else box_inertial(mesh, density) for mesh in meshes)
+
+
+def is_solid(mesh: Mesh) -> bool:
+    """True for a closed surface that faces outwards."""
+    return is_closed(mesh) and _moments(mesh)[0] > 0.0
+
+
+def solid_inertial(mesh: Mesh, density: float) -> Inertial:
+    """Mass and inertia of the volume inside a closed surface.
+
+    Source: Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, 2004.
+    """
+    volume, first, second = _moments(mesh)
+    center = first / volume
+    spread = density * (second - volume * np.outer(center, center))
+    return Inertial(density * volume, center, np.trace(spread) * np.eye(3) - spread)
+
+
+def box_inertial(mesh: Mesh, density: float) -> Inertial:
+    """Mass and inertia of the solid box around a surface."""
+    center, axes, half = box_of(mesh.corners)
+    size = np.maximum(2.0 * half, MIN_EXTENT)
+    mass = density * float(np.prod(size))
+    moments = mass / 12.0 * (np.sum(size**2) - size**2)
+    return Inertial(mass, center, axes.T @ np.diag(moments) @ axes)
+
+
+def joined(inertials: Iterable[Inertial]) -> Inertial:
+    """Mass and inertia of several bodies as one. A lighter one than `MIN_MASS` is made denser."""
+    every = tuple(inertials) or (_BALL,)
+    mass = sum(each.mass for each in every)
+    center = sum((each.mass * each.center for each in every), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for each in every:
+        away = each.center - center
+        inertia += each.inertia + each.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    denser = max(1.0, MIN_MASS / mass)
+    return Inertial(denser * mass, center, denser * inertia)
+
+
+def _moments(mesh: Mesh) -> tuple[float, Vector, Vector]:
+    """Volume, and its first [3] and second [3, 3] moments, from the signed tetrahedra of a surface and one of its points."""
+    corners, vertices, _ = same_vertices(mesh)
+    origin = vertices[0]
+    triangles = vertices[corners] - origin
+    volumes = np.linalg.det(triangles) / 6.0
+    sums = triangles.sum(axis=1)
+    volume = float(volumes.sum())
+    first = np.einsum("f,fx->x", volumes, sums) / 4.0
+    second = np.einsum("f,fx,fy->xy", volumes, sums, sums) + np.einsum("f,fcx,fcy->xy", volumes, triangles, triangles)
+    second /= 20.0
+    first_there = first + volume * origin
+    second_there = second + np.outer(first, origin) + np.outer(origin, first) + volume * np.outer(origin, origin)
+    return volume, first_there, second_there

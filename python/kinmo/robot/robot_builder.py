@@ -1,0 +1,154 @@
+"""Robots of shapes with joints: the one way from kinmo's results to all formats of simulators."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.core.frames import z_up_rotation
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.links import Link, links_of
+from kinmo.core.mobility import Mobility
+from kinmo.core.names import unique_names
+from kinmo.core.shape import Mesh, Shape, bounds_of
+from kinmo.core.vector import Vector
+from kinmo.robot.clearance import with_clearance
+from kinmo.robot.collision_geometry import CollisionMode, collision_shapes
+from kinmo.robot.inertia import DENSITY, inertial_of
+from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind, RobotLink, Visual
+
+DAMPING = 0.1
+"""Damping of every joint, in N s/m or N m s/rad."""
+FRICTION = 0.0
+"""Dry friction of every joint, in N or N m."""
+MAX_EFFORT = 100.0
+"""Largest force of a motor, in N or N m."""
+MAX_VELOCITY = 10.0
+"""Largest speed, in m/s or rad/s."""
+NAME_ENDINGS = ("", "_joint", "_slide", "_slide_joint")
+"""Endings of the names of a link, its joint, and the extra link and joint of a screw."""
+
+
+@dataclass(frozen=True)
+class Physics:
+    """Physical constants of a robot, the same for all its links and joints.
+
+    Attributes:
+        density: density of parts in kg/m3.
+        damping: damping of joints in N s/m or N m s/rad.
+        friction: dry friction of joints in N or N m.
+        effort: largest force of a motor in N or N m.
+        velocity: largest speed in m/s or rad/s.
+    """
+
+    density: float = DENSITY
+    damping: float = DAMPING
+    friction: float = FRICTION
+    effort: float = MAX_EFFORT
+    velocity: float = MAX_VELOCITY
+
+
+def build_robot(
+    shape: Shape,
+    mobility: Mobility,
+    metres_per_unit: float = 1.0,
+    *,
+    collision: CollisionMode = "none",
+    physics: Physics = Physics(),  # noqa: B008 (frozen)
+) -> Robot:
+    """The robot of a shape.
+
+    A screw becomes a prismatic and a continuous joint with one axis and a light link between them. A slider without limits may
+    move by the diagonal of the object in both directions.
+
+    Args:
+        shape: The shape.
+        mobility: Its bodies and joints, in the frame of the shape.
+        metres_per_unit: Length of a unit of the shape in metres.
+        collision: How parts collide.
+        physics: Density, and constants of the joints.
+    """
+    rotation = z_up_rotation(np.asarray(shape.up, float))
+    diagonal = metres_per_unit * shape.diagonal
+    names = dict(zip(shape.leaves, unique_names(shape.parts[leaf].name for leaf in shape.leaves), strict=True))
+    kinmo_links = links_of(mobility)
+    links: list[RobotLink] = []
+    joints: list[RobotJoint] = []
+    place: dict[int, int] = {}
+    for index, (link, (name, joint_name, slide, slide_joint)) in enumerate(zip(kinmo_links, link_names(kinmo_links), strict=True)):
+        meshes = {leaf: _placed(shape.leaf_mesh(leaf), rotation, metres_per_unit) for leaf in link.leaves}
+        visuals = tuple(Visual(names[leaf], leaf, mesh) for leaf, mesh in meshes.items())
+        origin = _origin(link.joint, list(meshes.values()), rotation, metres_per_unit)
+        if link.joint is not None and link.parent is not None:
+            parent, axis = place[link.parent], rotation @ link.joint.direction
+            for kind, limits in _motions(link.joint, metres_per_unit, diagonal):
+                is_last = kind is not RobotJointKind.PRISMATIC or link.joint.kind is JointKind.PRISMATIC
+                own = joint_name if is_last else slide_joint
+                joints.append(_joint(own, kind, parent, len(links), axis, limits, physics))
+                if not is_last:
+                    parent = len(links)
+                    links.append(RobotLink(slide, origin, (), (), inertial_of([])))
+        place[index] = len(links)
+        shapes = _collisions(visuals, diagonal, collision)
+        links.append(RobotLink(name, origin, visuals, shapes, inertial_of(list(meshes.values()), physics.density)))
+    return with_clearance(Robot(unique_names([f"{shape.category}_{shape.id}"])[0], tuple(links), tuple(joints), diagonal))
+
+
+def _placed(mesh: Mesh, rotation: NDArray[np.float64], scale: float) -> Mesh:
+    """A mesh in the frame of the robot."""
+    return Mesh(scale * mesh.vertices @ rotation.T, mesh.faces)
+
+
+def link_names(links: Sequence[Link]) -> list[list[str]]:
+    """Four names for each link, one for each of `NAME_ENDINGS`. All differ."""
+    names = unique_names(f"{link.name}{ending}" for ending in NAME_ENDINGS for link in links)
+    return [names[place :: len(links)] for place in range(len(links))]
+
+
+def _origin(joint: Joint | None, meshes: Sequence[Mesh], rotation: NDArray[np.float64], scale: float) -> Vector:
+    """Origin [3] of a link's frame: a point of its axis, or the middle of the link for a slider."""
+    if joint is None:
+        return np.zeros(3)
+    if joint.has_pivot:
+        return np.asarray(scale * (rotation @ joint.pivot))
+    low, high = bounds_of(meshes) if meshes else (np.zeros(3), np.zeros(3))
+    return 0.5 * (low + high)
+
+
+def _motions(joint: Joint, scale: float, diagonal: float) -> list[tuple[RobotJointKind, tuple[float, float] | None]]:
+    """Kinds of the joints with one degree of freedom that make up a joint, and their limits from the pose of the file."""
+    limits = None
+    if joint.lower is not None and joint.upper is not None:
+        limits = joint.lower - joint.rest, joint.upper - joint.rest
+    if joint.kind is JointKind.REVOLUTE:
+        return [(RobotJointKind.CONTINUOUS if limits is None else RobotJointKind.REVOLUTE, limits)]
+    slide = (-diagonal, diagonal) if limits is None else (scale * limits[0], scale * limits[1])
+    sliding = (RobotJointKind.PRISMATIC, slide)
+    return [sliding] if joint.kind is JointKind.PRISMATIC else [sliding, (RobotJointKind.CONTINUOUS, None)]
+
+
+def _joint(
+    name: str,
+    kind: RobotJointKind,
+    parent: int,
+    child: int,
+    axis: Vector,
+    limits: tuple[float, float] | None,
+    physics: Physics,
+) -> RobotJoint:
+    low, high = limits or (None, None)
+    constants = physics.damping, physics.friction, physics.effort, physics.velocity
+    return RobotJoint(name, kind, parent, child, axis, low, high, *constants)
+
+
+def _collisions(visuals: Sequence[Visual], diagonal: float, mode: CollisionMode) -> tuple[Collision, ...]:
+    """The collision geometry of some parts, named after them."""
+    found = [
+        (visual, number, shape)
+        for visual in visuals
+        for number, shape in enumerate(collision_shapes(visual.mesh, diagonal, mode))
+    ]
+    return tuple(Collision(f"{visual.name}_collision_{number}", visual.leaf, shape) for visual, number, shape in found)

@@ -1,0 +1,84 @@
+"""Mass and inertia of links."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from kinmo.core.shape import Mesh
+from kinmo.robot.inertia import MIN_MASS, inertial_of, is_solid
+
+
+def mesh_of(solid: trimesh.Trimesh) -> Mesh:
+    return Mesh(np.asarray(solid.vertices, float), np.asarray(solid.faces, np.uint32))
+
+
+def placed(solid: trimesh.Trimesh, seed: int) -> trimesh.Trimesh:
+    """A solid, turned and moved at random."""
+    rng = np.random.default_rng(seed)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = Rotation.random(random_state=seed).as_matrix(), rng.uniform(-3.0, 3.0, 3)
+    return solid.copy().apply_transform(pose)
+
+
+def moments(inertia: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.sort(np.linalg.eigvalsh(inertia))
+
+
+@given(st.integers(0, 1000))
+def test_closed_parts_agree_with_trimesh(seed: int) -> None:
+    solid = placed(trimesh.creation.annulus(0.3, 0.5, 0.2), seed)
+    solid.density = 250.0
+    found = inertial_of([mesh_of(solid)], 250.0)
+    assert found.mass == pytest.approx(solid.mass)
+    assert found.center == pytest.approx(solid.center_mass, abs=1e-9)
+    assert found.inertia == pytest.approx(solid.moment_inertia, abs=1e-8)
+
+
+@given(st.integers(0, 1000))
+def test_open_parts_weigh_as_much_as_their_box(seed: int) -> None:
+    solid = placed(trimesh.creation.box((0.2, 0.5, 1.0)), seed)
+    closed = inertial_of([mesh_of(solid)])
+    opened = Mesh(mesh_of(solid).vertices, mesh_of(solid).faces[2:])
+    assert not is_solid(opened)
+    found = inertial_of([opened])
+    assert found.mass == pytest.approx(closed.mass)
+    assert found.inertia == pytest.approx(closed.inertia, abs=1e-6)
+
+
+def test_a_surface_that_faces_inwards_is_no_solid() -> None:
+    box = mesh_of(trimesh.creation.box((1.0, 1.0, 1.0)))
+    assert is_solid(box)
+    assert not is_solid(Mesh(box.vertices, box.faces[:, ::-1]))
+
+
+@given(st.integers(0, 1000), st.integers(0, 1000))
+def test_two_parts_weigh_as_one_of_both(one: int, other: int) -> None:
+    assume(one != other)
+    solids = [placed(trimesh.creation.icosphere(1, 0.3), seed) for seed in (one, other)]
+    apart = inertial_of([mesh_of(solid) for solid in solids])
+    together = inertial_of([mesh_of(trimesh.util.concatenate(solids))])
+    assert apart.mass == pytest.approx(together.mass)
+    assert apart.center == pytest.approx(together.center, abs=1e-9)
+    assert apart.inertia == pytest.approx(together.inertia, abs=1e-6)
+
+
+@pytest.mark.parametrize("size", [(1e-5, 1e-5, 1e-5), (0.0, 1.0, 1.0), (0.5, 0.4, 0.3)])
+def test_inertia_is_physically_possible(size: tuple[float, float, float]) -> None:
+    box = mesh_of(trimesh.creation.box((1.0, 1.0, 1.0)))
+    found = inertial_of([Mesh(box.vertices * size, box.faces)])
+    least, middle, most = moments(found.inertia)
+    assert found.mass >= MIN_MASS
+    assert least > 0.0
+    assert most <= least + middle + 1e-12
+
+
+def test_a_link_without_parts_is_a_tiny_ball() -> None:
+    found = inertial_of([])
+    assert found.mass == MIN_MASS
+    assert found.inertia == pytest.approx(found.inertia[0, 0] * np.eye(3))
