@@ -13,7 +13,7 @@ COUNT  ?= 6
 SCANNED       := laptop
 SCANNED_COUNT ?= 12
 # Shapes of a family, and the folder for training the networks that come with kinmo.
-WEIGHTS_COUNT ?= 45
+WEIGHTS_COUNT ?= 56
 WEIGHTS := build/weights
 SHIPPED := python/kinmo/shipped/models
 
