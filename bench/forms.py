@@ -14,9 +14,10 @@ Categories are known in the first form only. Predictions are exported as URDF an
 (docs/background/metrics.md, "URDF files"): `found` and `ok` are shares of all true joints, `precision` of the predicted bodies
 that move. `best` is the share of movable bodies that the parts of a form can express. It is below 1 where a patch joins a
 body to its neighbours. `ARI` is the adjusted Rand index of the predicted bodies against the true ones, over the leaves of each
-object, averaged over the objects; bodies that are fixed to each other count as one. `ECE` is the expected calibration error of predicted joints in ten bins of equal count. `ok 50` and
-`ok 80` are the shares of ok joints among the most probable 50 % and 80 %. The line below the tables tells how the logits of the
-probabilities would have to change to fit these objects best (`ranking.score_slope` and `score_offset`).
+object, averaged over the objects; bodies that are fixed to each other count as one. `ECE` is the expected calibration error of
+predicted joints in ten bins of equal count. `ok 50` and `ok 80` are the shares of ok joints among the most probable 50 % and
+80 %. The line below the tables tells how the logits of the probabilities would have to change to fit these objects best
+(`ranking.score_slope` and `score_offset`).
 
 Usage:
     python bench/forms.py DATA [--model WORKSPACE] [--forms NAME ...] [--limit N] [--json FILE] [--quick]

@@ -73,9 +73,7 @@ def turned(document: Document) -> None:
     scene["nodes"] = [len(document["nodes"]) - 1]
 
 
-CHANGES: dict[str, Callable[[Document], None]] = {
-    change.__name__: change for change in (renamed, reordered, nested, turned)
-}
+CHANGES: dict[str, Callable[[Document], None]] = {change.__name__: change for change in (renamed, reordered, nested, turned)}
 
 
 def write_changed(source: Path, target: Path, change: Callable[[Document], None]) -> None:

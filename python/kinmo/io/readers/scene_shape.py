@@ -49,8 +49,8 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
     """The shape of a scene.
 
     The nodes with a mesh become parts, in their hierarchy. The mesh of a node that also has children becomes one more child.
-    Nodes without a mesh at or below them are skipped. So are nodes above the first node that has a mesh or several children, and
-    groups without a name that hold one node.
+    Nodes without a mesh at or below them are skipped. So are nodes above the first node that has a mesh or several children, as
+    well as groups without a name that hold one node.
     A floor plane is dropped. A single mesh is split into its loose pieces. Where parts are no more than loose pieces, they are
     divided at creases, and each becomes a node above its patches. With labels, every label is a part. The smallest parts beyond
     `MAX_PARTS` are merged into others.
