@@ -7,12 +7,17 @@ The objects are annotated shapes in the layout of PartNet-Mobility. Each is pred
     unnamed     a flat list of the leaves in random order, called part_0, part_1, ...
     pieces      the loose pieces of all triangles together, divided at creases, in random order and without names
 
+A fifth form, `cyrillic`, is `named` with the names written in Cyrillic letters: words that no network has seen. It is predicted
+only where --forms lists it.
+
 Categories are known in the first form only. Predictions are exported as URDF and scored as `kinmo eval FILES` does it
 (docs/background/metrics.md, "URDF files"): `found` and `ok` are shares of all true joints, `precision` of the predicted bodies
 that move. `best` is the share of movable bodies that the parts of a form can express. It is below 1 where a patch joins a
-body to its neighbours. `ECE` is the expected calibration error of predicted joints in ten bins of equal count. `ok 50` and
-`ok 80` are the shares of ok joints among the most probable 50 % and 80 %. The line below the tables tells how the logits of the
-probabilities would have to change to fit these objects best (`ranking.score_slope` and `score_offset`).
+body to its neighbours. `ARI` is the adjusted Rand index of the predicted bodies against the true ones, over the leaves of each
+object, averaged over the objects; bodies that are fixed to each other count as one. `ECE` is the expected calibration error of
+predicted joints in ten bins of equal count. `ok 50` and `ok 80` are the shares of ok joints among the most probable 50 % and
+80 %. The line below the tables tells how the logits of the probabilities would have to change to fit these objects best
+(`ranking.score_slope` and `score_offset`).
 
 Usage:
     python bench/forms.py DATA [--model WORKSPACE] [--forms NAME ...] [--limit N] [--json FILE] [--quick]
@@ -34,9 +39,11 @@ use_one_thread()
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
+from sklearn.metrics import adjusted_rand_score
 
 import kinmo
 from kinmo.core.errors import InputError
+from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_forms import FlatPart, flat_parts, flat_shape, in_pieces, without_names
 from kinmo.evaluation.aggregate import figure_sums, ratios
@@ -47,9 +54,11 @@ from kinmo.io.discover import discover
 from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.partnet_annotation import check_annotated
 from kinmo.io.writers import ExportOptions, export
+from kinmo.methods.kinmo.grouping.leaf_graph import rigid_carriers
 
 QUICK = 3
 PIECES = "pieces"
+CYRILLIC = str.maketrans("abcdefghijklmnopqrstuvwxyz", "абцдефгхийклмнопярстувшжыз")
 BARE = ExportOptions(collision="none")
 BINS = 10
 """Bins of the calibration error."""
@@ -69,16 +78,24 @@ def _numbered(parts: list[FlatPart], rng: np.random.Generator) -> list[FlatPart]
     return [replace(part, name=f"{part.name}_{number}") for number, part in enumerate(parts)]
 
 
+def _in_cyrillic(parts: list[FlatPart], rng: np.random.Generator) -> list[FlatPart]:
+    """The numbered parts with every letter of a name replaced by one of another script."""
+    return [replace(part, name=part.name.lower().translate(CYRILLIC)) for part in _numbered(parts, rng)]
+
+
 FLAT_FORMS: dict[str, Parts] = {
     "named": _numbered,
     "unnamed": without_names,
     PIECES: lambda parts, rng: without_names(in_pieces(parts), rng),
+    "cyrillic": _in_cyrillic,
 }
-FORMS = ("hierarchy", *FLAT_FORMS)
+FORMS = ("hierarchy", "named", "unnamed", PIECES)
+"""The forms of every table."""
+ALL_FORMS = ("hierarchy", *FLAT_FORMS)
 
 
 def form_of(shape: Shape, form: str, seed: int) -> Shape:
-    """An annotated shape in one of `FORMS`, with its annotation. The order of parts depends on the seed and the id only."""
+    """An annotated shape in one of `ALL_FORMS`, with its annotation. The order of parts depends on the seed and the id only."""
     if form == "hierarchy":
         return shape
     rng = np.random.default_rng([seed, *shape.id.encode()])
@@ -94,12 +111,14 @@ class FormScore:
         probabilities: [J], the probability of each predicted joint.
         is_ok: [J], True for predicted joints that are ok.
         expressible: Number of movable bodies that the parts of the form can express.
+        rand_index: Adjusted Rand index of the predicted bodies.
     """
 
     score: ObjectScore
     probabilities: NDArray[np.float64]
     is_ok: NDArray[np.bool_]
     expressible: int
+    rand_index: float
 
 
 def score_form(truth: Shape, form: str, predictor: AnyPredictor, folder: Path, seed: int = 0) -> FormScore:
@@ -107,7 +126,7 @@ def score_form(truth: Shape, form: str, predictor: AnyPredictor, folder: Path, s
 
     Args:
         truth: The annotated shape.
-        form: One of `FORMS`.
+        form: One of `ALL_FORMS`.
         predictor: The predictor.
         folder: An empty folder for the exported prediction.
         seed: Seed of the order of parts.
@@ -121,16 +140,28 @@ def score_form(truth: Shape, form: str, predictor: AnyPredictor, folder: Path, s
     shown = form_of(truth, form, seed)
     joints: tuple[kinmo.PredictedJoint, ...] = ()
     urdf: Path | None = None
+    bodies = Mobility(())
     try:
         prediction = predictor.predict(replace(shown, mobility=None))
         urdf, joints = prediction.export(folder / "predicted", ["urdf"])["urdf"], prediction.joints
+        bodies = prediction.estimate.mobility
     except (InputError, ValueError) as error:
         print(f"{truth.id}, {form}: no prediction: {error}", file=sys.stderr)
     scored = score_urdf(truth, urdf, folder)
     ok_links = {part.link for part in scored.parts if part.is_ok}
     probabilities = np.array([joint.score for joint in joints], float)
     is_ok = np.array([joint.name in ok_links for joint in joints], bool)
-    return FormScore(scored, probabilities, is_ok, _expressible(truth, shown, form, folder / "best"))
+    best = _expressible(truth, shown, form, folder / "best")
+    assert shown.mobility is not None
+    rand_index = adjusted_rand_score(_owners(shown, shown.mobility), _owners(shown, bodies))
+    return FormScore(scored, probabilities, is_ok, best, float(rand_index))
+
+
+def _owners(shape: Shape, mobility: Mobility) -> NDArray[np.int64]:
+    """For every leaf the rigid body that it belongs to, or -1."""
+    carriers = rigid_carriers(mobility)
+    owner = {leaf: carriers[index] for index, body in enumerate(mobility.bodies) for leaf in body.leaves}
+    return np.array([owner.get(leaf, -1) for leaf in shape.leaves], np.int64)
 
 
 def _expressible(truth: Shape, shown: Shape, form: str, folder: Path) -> int:
@@ -197,6 +228,7 @@ def figures(scores: Sequence[FormScore]) -> dict[str, Any]:
         **counts,
         "best": sum(each.expressible for each in scores) / joints if joints else None,
         **shares,
+        "ARI": float(np.mean([each.rand_index for each in scores])),
         "ECE": calibration_error(probabilities, is_ok),
         "ok 50": selective_accuracy(probabilities, is_ok, 0.5),
         "ok 80": selective_accuracy(probabilities, is_ok, 0.8),
@@ -260,10 +292,10 @@ def print_report(result: Mapping[str, Any]) -> None:
 def main() -> int:
     """Predict and score all objects, and print the tables."""
     parser = option_parser(__doc__, f"{QUICK} objects only")
-    names = f"forms: {', '.join(FORMS)} (default: all)"
+    names = f"forms: {', '.join(ALL_FORMS)} (default: {', '.join(FORMS)})"
     parser.add_argument("data", type=Path, help="folder of annotated shapes in the layout of PartNet-Mobility")
     parser.add_argument("--model", type=Path, default=Path("workspace"), help="workspace with trained networks")
-    parser.add_argument("--forms", nargs="+", choices=FORMS, default=FORMS, metavar="NAME", help=names)
+    parser.add_argument("--forms", nargs="+", choices=ALL_FORMS, default=FORMS, metavar="NAME", help=names)
     parser.add_argument("--limit", type=int, help="number of objects, evenly spread over the ids (default: all)")
     parser.add_argument("--seed", type=int, default=0, help="seed of the order of parts (default 0)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures to a file")

@@ -86,6 +86,7 @@ def test_a_right_prediction_is_ok_in_every_form(form, tmp_path):
     assert scored.score.parts[0].range_iou == pytest.approx(1.0)
     assert stub.seen[0].mobility is None
     assert scored.expressible == 1
+    assert scored.rand_index == 1.0
 
 
 def test_a_wrong_joint_is_found_and_not_ok(tmp_path):

@@ -23,7 +23,7 @@ UNFOUND = ObjectScore("1", "Safe", MISSING, "no URDF", (PartScore(1, "door", Joi
 
 def test_lines_of_both_kinds_are_printed_and_claimed(capsys):
     given = [ShapeScore(name, "Safe", (RIGHT if name != "0" else MISSED,)) for name in "0123"]
-    in_forms = [FormScore(UNFOUND, np.zeros(0), np.zeros(0, bool), 1)]
+    in_forms = [FormScore(UNFOUND, np.zeros(0), np.zeros(0, bool), 1, 0.0)]
     print_claim(*print_rows({"bodies given": given, "unnamed": in_forms}))
     *table, last = capsys.readouterr().out.splitlines()
     claim = json.loads(last)

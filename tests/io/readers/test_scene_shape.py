@@ -174,6 +174,20 @@ def test_neither_node_order_nor_file_name_matters(tmp_path_factory: pytest.TempP
     assert one.category == other.category == ""
 
 
+def test_groups_without_a_name_around_one_node_change_nothing(tmp_path: Path) -> None:
+    def load(depth: int) -> Shape:
+        made = GltfBuilder()
+        nodes = [made.node(name, mesh=made.mesh(mesh)) for name, mesh in PARTS.items()]
+        for _ in range(depth):
+            nodes = [made.node("", children=[node]) if number else node for number, node in enumerate(nodes)]
+        return kinmo.load(made.scene(*nodes).write_glb(tmp_path / f"{depth}.glb"))
+
+    flat, nested = load(0), load(2)
+    assert [(part.name, part.parent, part.children) for part in nested.parts] == [
+        (part.name, part.parent, part.children) for part in flat.parts
+    ]
+
+
 @pytest.mark.parametrize("name", ["柜门", "ящик", "درج", "Tür №1", "दरवाज़ा"])
 def test_names_of_any_script_are_kept(name: str, tmp_path: Path) -> None:
     made = cabinet()

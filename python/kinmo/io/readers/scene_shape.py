@@ -49,7 +49,8 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
     """The shape of a scene.
 
     The nodes with a mesh become parts, in their hierarchy. The mesh of a node that also has children becomes one more child.
-    Nodes without a mesh at or below them are skipped. So are nodes above the first node that has a mesh or several children.
+    Nodes without a mesh at or below them are skipped. So are nodes above the first node that has a mesh or several children, as
+    well as groups without a name that hold one node.
     A floor plane is dropped. A single mesh is split into its loose pieces. Where parts are no more than loose pieces, they are
     divided at creases, and each becomes a node above its patches. With labels, every label is a part. The smallest parts beyond
     `MAX_PARTS` are merged into others.
@@ -184,6 +185,8 @@ def _hierarchy(nodes: tuple[SceneNode, ...], meshes: dict[int, Mesh]) -> tuple[t
     pending: list[tuple[int, int | None, bool]] = [(top, None, False)]  # True: the node's own mesh, beside its children
     while pending:
         index, parent, is_surface = pending.pop()
+        while not is_surface and index not in meshes and len(children[index]) == 1 and not nodes[index].name:
+            (index,) = children[index]  # a group without a name around one node tells nothing
         place, below, mesh = len(rows), [] if is_surface else children[index], meshes.get(index)
         rows.append((nodes[index].name, parent, None if below else mesh))
         pending += [(child, place, False) for child in reversed(below)]
