@@ -6,6 +6,7 @@ the object moves by itself or jams. So shapes that nearly touch are cut by plane
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -28,9 +29,13 @@ GAP = 0.001
 MAX_CUT_AT_REST = 0.4
 """Largest share of a shape's extent that is cut off for the pose of the file. Otherwise the smaller shape is dropped."""
 MAX_CUT_ON_THE_WAY = 0.25
-"""Largest share of a shape's extent that is cut off for another joint value. Otherwise the shapes are left as they are."""
-STEPS = 12
-"""Joint values from the pose of the file to each limit that are looked at."""
+"""Largest share of a shape's extent that is cut off for another joint value. Otherwise the joint stops before."""
+MIN_TRAVEL = 0.5
+"""Least share of the travel to a limit that is left if the joint stops before. Otherwise the smaller shape is dropped."""
+STEP = 0.01
+"""Longest path of a point between two joint values that are looked at, in diagonals of the object."""
+MAX_STEPS = 200
+"""Most joint values from the pose of the file to a limit that are looked at."""
 FULL_TURN = (-np.pi, np.pi)
 """Range of a continuous joint."""
 MAX_NORMALS = 40
@@ -47,6 +52,7 @@ class _Piece:
         shape: the shape; None after it is dropped.
         points: [V, 3] its corners.
         normals: [K, 3] normals of its faces, without opposite ones.
+        cuts: number of cuts.
     """
 
     link: int
@@ -54,6 +60,7 @@ class _Piece:
     shape: CollisionShape | None
     points: F64
     normals: F64
+    cuts: int = 0
 
     @classmethod
     def of(cls, link: int, collision: Collision) -> _Piece:
@@ -66,6 +73,7 @@ class _Piece:
 
     def cut(self, normal: Vector, level: float) -> None:
         """Keep what is at or above `level` along a unit vector."""
+        self.cuts += 1
         heights = self.points @ normal - level
         above, below = self.points[heights >= 0.0], self.points[heights < 0.0]
         if not len(above):
@@ -80,10 +88,42 @@ class _Piece:
         self.points, self.normals = _points_and_normals(shape)
 
 
+class _Group:
+    """Collision shapes that move together or stay together.
+
+    Attributes:
+        pieces: the shapes, at least one.
+    """
+
+    def __init__(self, pieces: Sequence[_Piece]) -> None:
+        self.pieces = pieces
+        self._update()
+
+    def _update(self) -> None:
+        self._cuts = [piece.cuts for piece in self.pieces]
+        self._points = np.concatenate([piece.points for piece in self.pieces])
+        self._starts = np.cumsum([0, *(len(piece.points) for piece in self.pieces[:-1])])
+        self._at_rest = self._bounds(self._points)
+
+    def _bounds(self, points: F64) -> tuple[F64, F64]:
+        return np.minimum.reduceat(points, self._starts), np.maximum.reduceat(points, self._starts)
+
+    def bounds(self, pose: Pose | None = None) -> tuple[F64, F64]:
+        """Corners [P, 3] of the axis-aligned bounding boxes of the shapes, at rest or after a motion [4, 4]."""
+        if self._cuts != [piece.cuts for piece in self.pieces]:
+            self._update()
+        return self._at_rest if pose is None else self._bounds(self._points @ pose[:3, :3].T + pose[:3, 3])
+
+    def reach(self, axis: Vector, origin: Vector) -> float:
+        """Distance of the farthest corner from an axis."""
+        return float(np.linalg.norm(np.cross(self._points - origin, axis), axis=1).max())
+
+
 def with_clearance(robot: Robot) -> Robot:
     """The robot with collision shapes that keep a gap of `GAP`, at rest and where each joint moves alone.
 
-    Shapes of links that are welded together do not count, nor do surfaces that are not convex.
+    A limit is moved to where a shape hits another that cannot be cut enough. Shapes of links that are welded together do not
+    count, nor do surfaces that are not convex.
     """
     pieces = [
         _Piece.of(index, collision)
@@ -91,14 +131,23 @@ def with_clearance(robot: Robot) -> Robot:
         for collision in link.collisions
         if isinstance(collision.shape, Box | Hull)
     ]
+    if not pieces:
+        return robot
     gap = GAP * robot.diagonal
     below = [_below(robot, index) for index in range(len(robot.links))]
+    groups: dict[int, tuple[_Group, _Group]] = {}
     for joint in robot.joints:
         moving = [piece for piece in pieces if piece.link in below[joint.child]]
         others = [piece for piece in pieces if piece.link not in below[joint.child]]
-        _clear(moving, others, np.eye(4), gap, MAX_CUT_AT_REST, drops=True)
-        for pose in _way(joint, robot.links[joint.child].origin):
-            _clear(moving, others, pose, gap, MAX_CUT_ON_THE_WAY, drops=False)
+        if not moving or not others:
+            continue
+        groups[joint.child] = _Group(moving), _Group(others)
+        for piece, other in _uncut(*groups[joint.child], np.eye(4), gap, MAX_CUT_AT_REST):
+            _drop_smaller(piece, other)
+    joints = [
+        _cleared(joint, robot.links[joint.child].origin, *groups[joint.child], robot.diagonal) if joint.child in groups else joint
+        for joint in robot.joints
+    ]
     kept: dict[int, list[Collision]] = {index: [] for index in range(len(robot.links))}
     for piece in pieces:
         if piece.shape is not None:
@@ -107,7 +156,42 @@ def with_clearance(robot: Robot) -> Robot:
     for index, link in enumerate(robot.links):
         surfaces = [each for each in link.collisions if not isinstance(each.shape, Box | Hull)]
         links.append(replace(link, collisions=(*kept[index], *surfaces)))
-    return replace(robot, links=tuple(links))
+    return replace(robot, links=tuple(links), joints=tuple(joints), notes=(*robot.notes, *_stops(robot.joints, joints)))
+
+
+def _cleared(joint: RobotJoint, origin: Vector, moving: _Group, others: _Group, diagonal: float) -> RobotJoint:
+    """A joint with limits that it can reach, after its way to them is cleared."""
+    is_endless = joint.lower is None or joint.upper is None
+    ends = FULL_TURN if joint.lower is None or joint.upper is None else (joint.lower, joint.upper)
+    reach = 1.0 if joint.kind is RobotJointKind.PRISMATIC else moving.reach(joint.axis, origin)
+    found = []
+    for end in ends:
+        steps = min(MAX_STEPS, math.ceil(abs(end) * reach / (STEP * diagonal)))
+        reached = 0.0
+        for value in np.linspace(0.0, end, steps + 1)[1:].tolist():
+            stuck = list(_uncut(moving, others, _motion(joint, origin, value), GAP * diagonal, MAX_CUT_ON_THE_WAY))
+            if stuck and not is_endless and abs(reached) >= MIN_TRAVEL * abs(end):
+                break
+            for piece, other in stuck:
+                _drop_smaller(piece, other)
+            reached = value
+        found.append(reached)
+    return joint if is_endless else replace(joint, lower=found[0], upper=found[1])
+
+
+def _drop_smaller(piece: _Piece, other: _Piece) -> None:
+    if piece.shape is not None and other.shape is not None:
+        (piece if piece.size <= other.size else other).shape = None
+
+
+def _stops(before: Sequence[RobotJoint], after: Sequence[RobotJoint]) -> list[str]:
+    """A note for each joint whose limits were moved."""
+    found = []
+    for old, new in zip(before, after, strict=True):
+        if (old.lower, old.upper) != (new.lower, new.upper) and new.lower is not None and new.upper is not None:
+            unit, scale = ("mm", 1000.0) if new.kind is RobotJointKind.PRISMATIC else ("degrees", math.degrees(1.0))
+            found.append(f"{new.name} stops at {scale * new.lower:.0f} and {scale * new.upper:.0f} {unit}, where it hits another part")
+    return found
 
 
 def _below(robot: Robot, link: int) -> set[int]:
@@ -119,24 +203,27 @@ def _below(robot: Robot, link: int) -> set[int]:
     return found
 
 
-def _way(joint: RobotJoint, origin: Vector) -> Iterator[Pose]:
-    """Motions [4, 4] of a joint's child at values from 0 outwards to both limits."""
-    low, high = (joint.lower, joint.upper) if joint.lower is not None and joint.upper is not None else FULL_TURN
-    for end in (low, high):
-        for value in np.linspace(0.0, end, STEPS + 1)[1:] if abs(end) > 1e-9 else ():
-            pose = np.eye(4)
-            if joint.kind is RobotJointKind.PRISMATIC:
-                pose[:3, 3] = value * joint.axis
-            else:
-                pose[:3, :3] = Rotation.from_rotvec(value * joint.axis).as_matrix()
-                pose[:3, 3] = origin - pose[:3, :3] @ origin
-            yield pose
+def _motion(joint: RobotJoint, origin: Vector, value: float) -> Pose:
+    """Motion [4, 4] of a joint's child from value 0."""
+    pose = np.eye(4)
+    if joint.kind is RobotJointKind.PRISMATIC:
+        pose[:3, 3] = value * joint.axis
+    else:
+        pose[:3, :3] = Rotation.from_rotvec(value * joint.axis).as_matrix()
+        pose[:3, 3] = origin - pose[:3, :3] @ origin
+    return pose
 
 
-def _clear(moving: Sequence[_Piece], others: Sequence[_Piece], pose: Pose, gap: float, most: float, *, drops: bool) -> None:
-    """Cut shapes of two groups where they are nearer than `gap`, with the first group moved by `pose`."""
+def _uncut(moving: _Group, others: _Group, pose: Pose, gap: float, most: float) -> Iterator[tuple[_Piece, _Piece]]:
+    """Cut shapes of two groups where they are nearer than `gap`, with the first group moved by `pose`.
+
+    Yields the pairs of shapes that would lose more than the share `most` of their extent. They are not cut.
+    """
     turn, shift = pose[:3, :3], pose[:3, 3]
-    for piece, other in _near_pairs(moving, others, pose, gap):
+    (low, high), (lowest, highest) = moving.bounds(pose), others.bounds()
+    near = np.all((low[:, None] - gap <= highest) & (high[:, None] + gap >= lowest), axis=2)
+    for row, column in np.argwhere(near):
+        piece, other = moving.pieces[row], others.pieces[column]
         if piece.shape is None or other.shape is None:
             continue
         normals = np.concatenate([piece.normals @ turn.T, other.normals])
@@ -148,28 +235,12 @@ def _clear(moving: Sequence[_Piece], others: Sequence[_Piece], pose: Pose, gap: 
         extents = np.stack([np.tile(np.ptp(values, axis=0), 2) for values in (here, there)])
         shares = needs / np.maximum(extents, 1e-12)
         which, way = np.unravel_index(int(np.argmin(shares)), shares.shape)
+        if shares[which, way] > most:
+            yield piece, other
+            continue
         away = normals[way % len(normals)] * (1.0 if way < len(normals) else -1.0)  # from the other to the moving one
-        if shares[which, way] <= most:
-            cut, inward = (piece, turn.T @ away) if which == 0 else (other, -away)
-            cut.cut(inward, float((cut.points @ inward).min() + needs[way]))
-        elif drops:
-            (piece if piece.size <= other.size else other).shape = None
-
-
-def _near_pairs(
-    moving: Sequence[_Piece], others: Sequence[_Piece], pose: Pose, gap: float
-) -> Iterator[tuple[_Piece, _Piece]]:
-    """Pairs of shapes whose axis-aligned bounding boxes are nearer than `gap`, with the first group moved by `pose`."""
-    if not moving or not others:
-        return
-    here = [piece.points @ pose[:3, :3].T + pose[:3, 3] for piece in moving]
-    (low, high), (least, most) = (
-        (np.array([points.min(axis=0) for points in group]), np.array([points.max(axis=0) for points in group]))
-        for group in (here, [other.points for other in others])
-    )
-    near = np.all((low[:, None] - gap <= most) & (high[:, None] + gap >= least), axis=2)
-    for row, column in np.argwhere(near):
-        yield moving[row], others[column]
+        cut, inward = (piece, turn.T @ away) if which == 0 else (other, -away)
+        cut.cut(inward, float((cut.points @ inward).min() + needs[way]))
 
 
 def _points_and_normals(shape: CollisionShape) -> tuple[F64, F64]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, get_args
 
 from kinmo.core.shape import Mesh
+from kinmo.core.wording import counted
+from kinmo.robot.coacd_pieces import is_installed
 from kinmo.robot.collision_shapes import CollisionShape, Surface
 from kinmo.robot.convex_decomposition import convex_shapes, hull_shape
 
@@ -16,16 +19,27 @@ COLLISION_MODES: tuple[CollisionMode, ...] = get_args(CollisionMode)
 DEFAULT_MODE: CollisionMode = "convex"
 
 
-def collision_shapes(mesh: Mesh, diagonal: float, mode: CollisionMode) -> list[CollisionShape]:
-    """Collision shapes of a part.
+def collision_shapes(
+    meshes: Sequence[Mesh], diagonal: float, mode: CollisionMode
+) -> tuple[list[list[CollisionShape]], tuple[str, ...]]:
+    """Collision shapes of parts.
 
     Args:
-        mesh: The surface of the part, in the frame of the robot.
+        meshes: The surfaces of the parts, in the frame of the robot.
         diagonal: Diagonal of the object.
         mode: The mode.
+
+    Returns:
+        The shapes of each part, and a line for each thing that a user should know.
     """
     if mode == "convex":
-        return convex_shapes(mesh, diagonal)
+        shapes, undivided = convex_shapes(meshes, diagonal)
+        return shapes, () if not undivided else (_undivided(undivided),)
     if mode == "hull":
-        return [hull_shape(mesh, diagonal)]
-    return [Surface(mesh)] if mode == "mesh" else []
+        return [[hull_shape(mesh, diagonal)] for mesh in meshes], ()
+    return [[Surface(mesh)] if mode == "mesh" else [] for mesh in meshes], ()
+
+
+def _undivided(count: int) -> str:
+    what = f"{counted(count, 'concave piece')} coarsely bisected for collisions"
+    return what if is_installed() else f"{what}: CoACD divides better, pip install 'kinmo[sim]'"

@@ -1,19 +1,22 @@
-"""Convex pieces of a part for collisions: its loose pieces where they are about convex, and what CoACD divides the others into.
+"""Convex pieces of parts for collisions: loose pieces where they are about convex, and what CoACD divides the others into.
 
-Flat pieces become thin boxes, since simulators refuse flat meshes. CoACD: Wei et al., "Approximate Convex Decomposition for 3D
-Meshes with Collision-Aware Concavity and Tree Search", SIGGRAPH 2022.
+Flat pieces become thin boxes, since simulators refuse flat meshes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
+from trimesh.intersections import slice_faces_plane
 
 from kinmo import _core
 from kinmo.core.loose_pieces import pieces_of_faces
 from kinmo.core.oriented_box import Box
 from kinmo.core.shape import Mesh
+from kinmo.robot.coacd_pieces import divided, is_installed
 from kinmo.robot.collision_shapes import CollisionShape, Hull
 
 MAX_LOOSE_PIECES = 64
@@ -26,27 +29,65 @@ BOX_FILL = 0.99
 """Least share of its box that a hull fills to be replaced by it."""
 SAMPLES = 400
 """Points on a hull that its distance from the surface is measured at."""
+MAX_BISECTED = 32
+"""Most pieces of a surface that is bisected."""
 MAX_HULL_VERTICES = 64
 """Most vertices of a hull."""
 
 
-def convex_shapes(mesh: Mesh, diagonal: float) -> list[CollisionShape]:
-    """Convex shapes that together cover a part.
+def convex_shapes(meshes: Sequence[Mesh], diagonal: float) -> tuple[list[list[CollisionShape]], int]:
+    """Convex shapes that together cover each part.
 
     Args:
-        mesh: The surface of the part.
+        meshes: The surfaces of the parts.
         diagonal: Diagonal of the whole object.
+
+    Returns:
+        The shapes of each part, and the number of concave pieces that were bisected, since CoACD is not installed or failed.
     """
-    shapes: list[CollisionShape] = []
-    pieces = pieces_of_faces(mesh, most=MAX_LOOSE_PIECES)
-    for number in range(int(pieces.max()) + 1):
-        piece = Mesh(mesh.vertices, mesh.faces[pieces == number]).compact
-        hull = hull_of(piece.vertices, MIN_THICKNESS * diagonal)
-        if concavity(piece, hull) <= CONVEX_TOLERANCE * diagonal:
-            shapes.append(simplest_shape(hull))
-        else:
-            shapes += [simplest_shape(hull_of(part.vertices, MIN_THICKNESS * diagonal)) for part in divided(piece)]
-    return shapes
+    thickness = MIN_THICKNESS * diagonal
+    shapes: list[list[CollisionShape]] = [[] for _ in meshes]
+    concave: list[tuple[int, Mesh]] = []
+    for place, mesh in enumerate(meshes):
+        pieces = pieces_of_faces(mesh, most=MAX_LOOSE_PIECES)
+        for number in range(int(pieces.max()) + 1):
+            piece = Mesh(mesh.vertices, mesh.faces[pieces == number]).compact
+            hull = hull_of(piece.vertices, thickness)
+            if concavity(piece, hull) > CONVEX_TOLERANCE * diagonal:
+                concave.append((place, piece))
+            else:
+                shapes[place].append(simplest_shape(hull))
+    found = divided([piece for _, piece in concave]) if is_installed() else [None] * len(concave)
+    for (place, piece), parts in zip(concave, found, strict=True):
+        points = bisected(piece, diagonal) if parts is None else parts
+        shapes[place] += [simplest_shape(hull_of(each, thickness)) for each in points]
+    return shapes, found.count(None)
+
+
+def bisected(piece: Mesh, diagonal: float) -> list[NDArray[np.float64]]:
+    """Corners [P, 3] of a piece, bisected across its longest side, and again where the halves are least convex.
+
+    This is coarse and fast. `diagonal` is that of the object.
+    """
+    done, waiting = [], [(np.inf, piece)]
+    while waiting and len(done) + len(waiting) < MAX_BISECTED:
+        waiting.sort(key=lambda each: each[0])
+        _, widest = waiting.pop()
+        center, axes, _ = box_of(widest.vertices)
+        for normal in (axes[0], -axes[0]):
+            half = _cut(widest, normal, center)
+            depth = concavity(half, hull_of(half.vertices, MIN_THICKNESS * diagonal)) if len(half.faces) else 0.0
+            if depth > CONVEX_TOLERANCE * diagonal:
+                waiting.append((depth, half))
+            elif len(half.faces):
+                done.append(half)
+    return [each.vertices for each in (*done, *(half for _, half in waiting))]
+
+
+def _cut(mesh: Mesh, normal: NDArray[np.float64], origin: NDArray[np.float64]) -> Mesh:
+    """The part of a surface in front of a plane."""
+    vertices, faces, _ = slice_faces_plane(mesh.vertices, mesh.faces.astype(np.int64), normal, origin)
+    return Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32)).compact
 
 
 def hull_shape(mesh: Mesh, diagonal: float) -> CollisionShape:
@@ -114,16 +155,3 @@ def fewer_vertices(hull: Mesh) -> Mesh:
 def _cross_and_corner(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     a, b, c = np.moveaxis(mesh.triangles - mesh.vertices.mean(axis=0), 1, 0)
     return np.cross(a, b), c
-
-
-
-
-def divided(piece: Mesh) -> list[Mesh]:
-    """Parts of a loose piece that are about convex, by CoACD."""
-    import coacd
-
-    coacd.set_log_level("error")
-    found = coacd.run_coacd(
-        coacd.Mesh(piece.vertices, piece.faces), threshold=0.05, max_convex_hull=16, mcts_iterations=40, mcts_nodes=12, resolution=1000
-    )
-    return [Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32)) for vertices, faces in found]

@@ -131,12 +131,14 @@ class Robot:
         links: the links, the base first, every link after its parent.
         joints: the joint of every link but the base.
         diagonal: diagonal of the object's bounding box.
+        notes: a line for each thing about the robot that a user should know.
     """
 
     name: str
     links: tuple[RobotLink, ...]
     joints: tuple[RobotJoint, ...]
     diagonal: float
+    notes: tuple[str, ...] = ()
 
     def joint_of(self, link: int) -> RobotJoint | None:
         """The joint that moves a link. None for the base."""

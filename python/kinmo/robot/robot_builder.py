@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,9 +92,10 @@ def build_robot(
                     parent = len(links)
                     links.append(RobotLink(slide, origin, (), (), inertial_of([])))
         place[index] = len(links)
-        shapes = _collisions(visuals, diagonal, collision)
-        links.append(RobotLink(name, origin, visuals, shapes, inertial_of(list(meshes.values()), physics.density)))
-    return with_clearance(Robot(unique_names([f"{shape.category}_{shape.id}"])[0], tuple(links), tuple(joints), diagonal))
+        links.append(RobotLink(name, origin, visuals, (), inertial_of(list(meshes.values()), physics.density)))
+    colliding, notes = _with_collisions(links, diagonal, collision)
+    title = unique_names([f"{shape.category}_{shape.id}"])[0]
+    return with_clearance(Robot(title, colliding, tuple(joints), diagonal, notes))
 
 
 def _placed(mesh: Mesh, rotation: NDArray[np.float64], scale: float) -> Mesh:
@@ -144,11 +145,21 @@ def _joint(
     return RobotJoint(name, kind, parent, child, axis, low, high, *constants)
 
 
-def _collisions(visuals: Sequence[Visual], diagonal: float, mode: CollisionMode) -> tuple[Collision, ...]:
-    """The collision geometry of some parts, named after them."""
-    found = [
-        (visual, number, shape)
-        for visual in visuals
-        for number, shape in enumerate(collision_shapes(visual.mesh, diagonal, mode))
-    ]
-    return tuple(Collision(f"{visual.name}_collision_{number}", visual.leaf, shape) for visual, number, shape in found)
+def _with_collisions(
+    links: Sequence[RobotLink], diagonal: float, mode: CollisionMode
+) -> tuple[tuple[RobotLink, ...], tuple[str, ...]]:
+    """Links with collision geometry, named after its part, and notes about it."""
+    meshes = [visual.mesh for link in links for visual in link.visuals]
+    shapes, notes = collision_shapes(meshes, diagonal, mode)
+    found = iter(shapes)
+    return tuple(
+        replace(
+            link,
+            collisions=tuple(
+                Collision(f"{visual.name}_collision_{number}", visual.leaf, shape)
+                for visual in link.visuals
+                for number, shape in enumerate(next(found))
+            ),
+        )
+        for link in links
+    ), notes

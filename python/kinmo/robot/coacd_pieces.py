@@ -1,0 +1,126 @@
+"""Convex pieces of surfaces by CoACD, in processes of their own, and remembered in the user's cache folder.
+
+Source: Wei et al., "Approximate Convex Decomposition for 3D Meshes with Collision-Aware Concavity and Tree Search", SIGGRAPH
+2022.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from hashlib import blake2b
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo.core.shape import Mesh
+from kinmo.robot import coacd_process
+
+Points = NDArray[np.float64]
+
+MAX_SECONDS = 3.0
+"""Most processor time for one surface, in seconds."""
+MAX_PROCESSES = 2
+PIECES_PER_PROCESS = 4
+"""Surfaces that are worth a second process."""
+CACHE_FOLDER = "KINMO_CACHE"
+"""Environment variable that names another cache folder."""
+
+
+def is_installed() -> bool:
+    """True if CoACD can be imported. Its import is not tried, since it takes a while."""
+    try:
+        importlib.metadata.version("coacd")
+    except importlib.metadata.PackageNotFoundError:
+        return False
+    return True
+
+
+def cache_folder() -> Path:
+    """Folder of the pieces that are remembered, in the user's cache."""
+    own = os.environ.get(CACHE_FOLDER)
+    if own:
+        return Path(own)
+    place = os.environ.get("XDG_CACHE_HOME")
+    return (Path(place) if place else Path.home() / ".cache") / "kinmo"
+
+
+def divided(surfaces: Sequence[Mesh]) -> list[list[Points] | None]:
+    """Convex pieces of some surfaces.
+
+    Args:
+        surfaces: Surfaces in any length unit. Each is divided at its own scale.
+
+    Returns:
+        For each surface the corners [P, 3] of its pieces. None if CoACD failed or took more than `MAX_SECONDS`.
+    """
+    folder = cache_folder() / "coacd"
+    keys = [_key(surface) for surface in surfaces]
+    known = {key: pieces for key in dict.fromkeys(keys) if (pieces := _read(folder / f"{key}.npz")) is not None}
+    missing = {key: surface for key, surface in zip(keys, surfaces, strict=True) if key not in known}
+    for key, pieces in zip(missing, _run(list(missing.values())), strict=True):
+        known[key] = pieces
+        _remember(folder / f"{key}.npz", pieces)
+    return [known[key] or None for key in keys]
+
+
+def _key(surface: Mesh) -> str:
+    settings = repr((importlib.metadata.version("coacd"), coacd_process.SETTINGS, MAX_SECONDS)).encode()
+    content = surface.vertices.astype("<f8").tobytes(), surface.faces.astype("<u4").tobytes()
+    return blake2b(b"".join((settings, *content)), digest_size=16).hexdigest()
+
+
+def _run(surfaces: Sequence[Mesh]) -> list[list[Points]]:
+    """Pieces of surfaces. Empty where CoACD fails."""
+    if not surfaces:
+        return []
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        for number, surface in enumerate(surfaces):
+            np.savez(folder / f"{number}.npz", vertices=surface.vertices, faces=surface.faces)
+        processes = min(MAX_PROCESSES, os.cpu_count() or 1, 1 + len(surfaces) // PIECES_PER_PROCESS)
+        largest_first = sorted(range(len(surfaces)), key=lambda number: -len(surfaces[number].faces))
+        with ThreadPoolExecutor(processes) as pool:
+            list(pool.map(lambda first: _run_all(folder, largest_first[first::processes]), range(processes)))
+        return [_read(folder / f"{number}.pieces.npz") or [] for number in range(len(surfaces))]
+
+
+def _run_all(folder: Path, numbers: Sequence[int]) -> None:
+    """Divide surfaces in one process, and in a new one after each surface that ends it."""
+    left = list(numbers)
+    while left:
+        command = [sys.executable, coacd_process.__file__, str(folder), str(MAX_SECONDS), *map(str, left)]
+        subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+        while left and (folder / f"{left[0]}.pieces.npz").exists():
+            left.pop(0)
+        del left[:1]  # the one that ended the process
+
+
+def _read(path: Path) -> list[Points] | None:
+    """Pieces in a file. None if it is missing or damaged."""
+    try:
+        with np.load(path) as file:
+            points, counts = file["points"], file["counts"]
+        return np.split(points, np.cumsum(counts)[:-1]) if len(counts) else []
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+        return None
+
+
+def _remember(path: Path, pieces: Sequence[Points]) -> None:
+    """Write pieces into the cache. A full or read-only disk only costs time later."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent) as place:
+            draft = Path(place) / "pieces.npz"
+            np.savez(draft, points=np.concatenate([np.zeros((0, 3)), *pieces]), counts=np.array([len(each) for each in pieces], int))
+            shutil.move(draft, path)
+    except OSError:
+        return
