@@ -24,7 +24,7 @@ from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind
 
 F64 = NDArray[np.float64]
 
-GAP = 0.001
+GAP = 0.002
 """Least gap between two links, in diagonals of the object."""
 MAX_CUT_AT_REST = 0.4
 """Largest share of a shape's extent that is cut off for the pose of the file. Otherwise the smaller shape is dropped."""

@@ -25,7 +25,8 @@ class PybulletSimulator:
     def __init__(self, path: Path) -> None:
         self._client = pybullet.connect(pybullet.DIRECT)
         pybullet.setTimeStep(TIME_STEP, physicsClientId=self._client)
-        flags = pybullet.URDF_USE_SELF_COLLISION | pybullet.URDF_USE_INERTIA_FROM_FILE
+        flags = pybullet.URDF_USE_SELF_COLLISION | pybullet.URDF_USE_SELF_COLLISION_INCLUDE_PARENT
+        flags |= pybullet.URDF_USE_INERTIA_FROM_FILE
         try:
             self._body = pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, physicsClientId=self._client)
         except pybullet.error as error:
