@@ -50,8 +50,8 @@ def mjcf_element(robot: Robot) -> ET.Element:
 
 def _body(above: ET.Element, link: RobotLink, joint: RobotJoint | None, offset: np.ndarray) -> ET.Element:
     body = ET.SubElement(above, "body", name=link.name, pos=numbers(offset))
+    _add_inertial(body, link.inertial, link.origin)  # MuJoCo before 3.2 wants a mass of fixed bodies too
     if joint is not None:
-        _add_inertial(body, link.inertial, link.origin)
         _add_joint(body, joint)
     for visual in link.visuals:
         ET.SubElement(body, "geom", {"class": "visual"}, name=f"{visual.name}_visual", mesh=visual.name, pos=numbers(-link.origin))
