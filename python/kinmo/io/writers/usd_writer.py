@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.core.names import unique_names
 from kinmo.core.oriented_box import Box
@@ -49,6 +50,14 @@ def write_usd(exported: ExportedObject, folder: Path) -> Path:
 def check_usd_library(where: Path | str) -> None:
     """Raise InputError about `where` if usd-core is not installed."""
     optional_library("pxr", "usd", where, "USD needs usd-core", "write it")
+
+
+def face_normals(mesh: Mesh) -> NDArray[np.float64]:
+    """Unit normals [F, 3] of all faces. That of a face without an area is the z axis."""
+    first, second, third = np.moveaxis(mesh.triangles, 1, 0)
+    normals = np.cross(second - first, third - first)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.where(lengths > 0.0, normals / np.where(lengths > 0.0, lengths, 1.0), np.array([0.0, 0.0, 1.0]))
 
 
 def usd_stage(robot: Robot, shape: Shape) -> Any:
@@ -109,6 +118,8 @@ class _StageWriter:
 
     def _visual(self, above: Any, visual: Visual, origin: Vector) -> None:
         mesh = self._mesh(above, visual.name, visual.mesh, origin)
+        mesh.CreateNormalsAttr(self.vt.Vec3fArray.FromNumpy(face_normals(visual.mesh).astype(np.float32)))
+        mesh.SetNormalsInterpolation(self.geom.Tokens.uniform)
         mesh.CreateDisplayColorAttr([self.gf.Vec3f(*GREY)])
         name = self.shape.parts[visual.leaf].name
         if name and name != visual.name:
