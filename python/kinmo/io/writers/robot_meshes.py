@@ -56,4 +56,4 @@ def solid_enough(mesh: Mesh, diagonal: float) -> Mesh:
     aside = 0.5 * SHEET_DISTANCE * diagonal * axes[2]
     front = np.einsum("fx,x->f", np.cross(*np.moveaxis(np.diff(mesh.triangles, axis=1), 1, 0)), axes[2]).sum() >= 0.0
     above, below = (aside, -aside) if front else (-aside, aside)
-    return join(Mesh(mesh.vertices + above, mesh.faces), Mesh(mesh.vertices + below, mesh.faces[:, ::-1]))
+    return join(mesh.moved(np.eye(3), above), mesh.moved(np.eye(3), below).flipped)
