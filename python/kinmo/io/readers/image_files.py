@@ -65,6 +65,11 @@ class ImageFiles:
         self._images: dict[Path, Image | None] = {}
         self._failed = 0
 
+    @property
+    def paths(self) -> list[Path]:
+        """The files that were asked for."""
+        return list(self._images)
+
     def read(self, path: Path) -> Image | None:
         """The image in a file. None if it cannot be used, which is reported."""
         if path not in self._images:
