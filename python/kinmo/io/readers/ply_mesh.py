@@ -92,8 +92,12 @@ def _colors(element: _Element, columns: dict[str, _Column]) -> NDArray[np.float6
     """Red, green, blue and opacity [V, 4] of vertices from 0 to 1. None if they have none."""
     if not all(name in columns for name in ("red", "green", "blue")):
         return None
-    largest = {each.name: np.iinfo(each.type).max if each.type.kind in "iu" else 1.0 for each in element.properties}
-    shown = [columns[name].values / largest[name] for name in ("red", "green", "blue", "alpha") if name in columns]
+    types = {each.name: each.type for each in element.properties}
+    shown = []
+    for name in ("red", "green", "blue", "alpha"):
+        if name in columns:
+            values, is_whole = columns[name].values, types[name].kind in "iu"  # texts have floats alone
+            shown.append(values / (np.iinfo(types[name]).max if is_whole else 255.0 if values.max(initial=0.0) > 1.0 else 1.0))
     opaque = [np.ones(len(shown[0]))] * (4 - len(shown))
     colors = np.stack([*shown, *opaque], axis=1)
     return np.clip(colors, 0.0, 1.0) if np.isfinite(colors).all() else None
