@@ -98,16 +98,15 @@ def add_box(result: Path, link: str, size: str, place: str) -> None:
 
 
 def test_links_that_overlap_do_not_rest(result: Path) -> None:
-    add_box(result, "drawer", "0.3 0.3 0.6", "0 0 0.3")
+    add_box(result, "drawer", "0.1 0.1 0.6", "-0.23 0 0.3")  # in the door
     found = problems(result, "mujoco", "pybullet")
-    assert any(each.startswith("URDF in PyBullet does not rest: ") for each in found)
+    for title in ("URDF in MuJoCo", "URDF in PyBullet"):
+        assert any(each.startswith(f"{title} does not rest: ") for each in found)
 
 
 def test_a_blocked_joint_does_not_move(result: Path) -> None:
     add_box(result, "base", "0.02 3 3", "-0.4 0 0")  # a wall in front of the drawer, which comes out along -x
-    assert any(
-        each.startswith("URDF in PyBullet does not move: drawer_joint reaches ") for each in problems(result, "pybullet")
-    )
+    assert any(each.startswith("URDF in MuJoCo does not move: drawer_joint reaches ") for each in problems(result, "mujoco"))
 
 
 def test_a_usd_file_is_validated(result: Path) -> None:

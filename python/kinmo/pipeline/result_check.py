@@ -109,7 +109,7 @@ class CheckJob:
 
 
 def planned_checks(job: CheckJob) -> list[FileCheck]:
-    """The files of a result, and the simulators that read them. Raises InputError if there is none, or joints.json is damaged."""
+    """The files of a result, and the simulators that read them. Raises InputError if there is none, or joints.json is bad."""
     document = read_document(job.folder / FILE_NAME)
     if document["export"].is_absent:
         raise document["export"].fail("expected the formats: run kinmo predict again")

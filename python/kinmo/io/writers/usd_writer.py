@@ -1,7 +1,8 @@
-"""USD: the object as an articulation of UsdPhysics in one binary file. z up, metres, kilograms, degrees.
+"""USD: the object as an articulation of UsdPhysics in a binary file. z up, metres, kilograms, degrees.
 
 The default prim holds the scope `Geometry` with a rigid body for each link, and the scope `Physics` with the joints. A link has
-its parts in `visuals` and what it collides with in `collisions`, which is not drawn.
+its parts in `visuals` and what it collides with in `collisions`, which is not drawn. Materials are in the scope `Looks`. Their
+images are files beside the USD file, which other formats share.
 
 The schemas of USD have no place for the largest speed and the dry friction of joints. They are written as attributes of PhysX
 (Isaac Sim, Omniverse) and Newton, which other programs ignore.
@@ -16,21 +17,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinmo.core.names import unique_names
 from kinmo.core.oriented_box import Box
-from kinmo.core.shape import Mesh, Shape
+from kinmo.core.shape import Mesh
 from kinmo.core.vector import Vector
 from kinmo.io.readers.optional_library import optional_library
+from kinmo.io.writers.robot_meshes import textures_of
+from kinmo.io.writers.texture_images import TextureImages, materials_of
 from kinmo.io.writers.usd_frames import axis_frame, principal_inertia, quaternion
+from kinmo.io.writers.usd_looks import UsdLooks
 from kinmo.io.writers.writer import ExportedObject
 from kinmo.robot.collision_shapes import Hull
-from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind, RobotLink, Visual
+from kinmo.robot.robot import Collision, RobotJoint, RobotJointKind, RobotLink, Visual
 
 ENDING = ".usd"
-GREY = (0.7, 0.7, 0.7)
-"""Colour of parts without a look, linear RGB."""
 FIXED_JOINT = "fixed_base"
 """Name of the joint that fixes the base, unless another joint has it."""
 
@@ -39,7 +40,8 @@ def write_usd(exported: ExportedObject, folder: Path) -> Path:
     """Write a USD file (see `kinmo.io.writers.writer.Writer`). Raises InputError if usd-core is not installed."""
     path = folder / f"{exported.options.name}{ENDING}"
     check_usd_library(path)
-    stage = usd_stage(exported.robot, exported.shape)
+    textures = textures_of(exported.robot, folder, lambda line: exported.note(f"usd: {line}"))
+    stage = usd_stage(exported, textures)
     with tempfile.TemporaryDirectory() as place:  # USD misreads paths with brackets and some other characters
         draft = Path(place) / f"model{ENDING}"
         stage.GetRootLayer().Export(str(draft))
@@ -52,27 +54,20 @@ def check_usd_library(where: Path | str) -> None:
     optional_library("pxr", "usd", where, "USD needs usd-core", "write it")
 
 
-def face_normals(mesh: Mesh) -> NDArray[np.float64]:
-    """Unit normals [F, 3] of all faces. That of a face without an area is the z axis."""
-    first, second, third = np.moveaxis(mesh.triangles, 1, 0)
-    normals = np.cross(second - first, third - first)
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.where(lengths > 0.0, normals / np.where(lengths > 0.0, lengths, 1.0), np.array([0.0, 0.0, 1.0]))
-
-
-def usd_stage(robot: Robot, shape: Shape) -> Any:
-    """The stage (`pxr.Usd.Stage`) of a robot. `shape` has the names of its parts."""
-    return _StageWriter(robot, shape).stage
+def usd_stage(exported: ExportedObject, textures: TextureImages) -> Any:
+    """The stage (`pxr.Usd.Stage`) of an object. The images of its materials are written as files."""
+    return _StageWriter(exported, textures).stage
 
 
 class _StageWriter:
-    """Writes a robot into a new stage."""
+    """Writes the robot of an object into a new stage."""
 
-    def __init__(self, robot: Robot, shape: Shape) -> None:
+    def __init__(self, exported: ExportedObject, textures: TextureImages) -> None:
         from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdPhysics, Vt
 
         self.gf, self.sdf, self.usd, self.geom, self.physics, self.vt = Gf, Sdf, Usd, UsdGeom, UsdPhysics, Vt
-        self.robot, self.shape = robot, shape
+        robot = exported.robot
+        self.robot, self.shape = robot, exported.shape
         self.stage = Usd.Stage.Open(Sdf.Layer.CreateAnonymous(ENDING))
         UsdGeom.SetStageUpAxis(self.stage, UsdGeom.Tokens.z)
         UsdGeom.SetStageMetersPerUnit(self.stage, 1.0)
@@ -83,6 +78,9 @@ class _StageWriter:
         model.SetKind(Kind.Tokens.component)
         model.SetAssetName(robot.name)
         UsdPhysics.ArticulationRootAPI.Apply(self.root)
+        materials = materials_of(visual.mesh for link in robot.links for visual in link.visuals)
+        place = self.root.GetPath().AppendChild("Looks")
+        self.looks = UsdLooks(self.stage, place, materials, textures, lambda line: exported.note(f"usd: {line}"))
         links = self._scope(self.root, "Geometry")
         self.links = [self._link(links, link) for link in robot.links]
         joints = self._scope(self.root, "Physics")
@@ -118,9 +116,7 @@ class _StageWriter:
 
     def _visual(self, above: Any, visual: Visual, origin: Vector) -> None:
         mesh = self._mesh(above, visual.name, visual.mesh, origin)
-        mesh.CreateNormalsAttr(self.vt.Vec3fArray.FromNumpy(face_normals(visual.mesh).astype(np.float32)))
-        mesh.SetNormalsInterpolation(self.geom.Tokens.uniform)
-        mesh.CreateDisplayColorAttr([self.gf.Vec3f(*GREY)])
+        self.looks.add(mesh, visual.mesh)
         name = self.shape.parts[visual.leaf].name
         if name and name != visual.name:
             mesh.GetPrim().SetDisplayName(name)
