@@ -41,24 +41,24 @@ class UsdLooks:
     def add(self, written: Any, mesh: Mesh) -> None:
         """Add the look of a mesh to a prim (`pxr.UsdGeom.Mesh`) with the same faces."""
         look = mesh.look
-        self._add_normals(written, mesh)
+        self.add_normals(written, mesh)
         self._add_colors(written, look, len(mesh.faces))
         if look is None:
             return
         if look.uvs is not None:
             kind = self._types.TexCoord2fArray
-            values = self._vt.Vec2fArray.FromNumpy(_flat(look.uvs))
-            self._primvars(written).CreatePrimvar(COORDINATES, kind, self._geom.Tokens.faceVarying).Set(values)
+            values, places = np.unique(_flat(look.uvs), axis=0, return_inverse=True)
+            primvar = self._geom.PrimvarsAPI(written).CreatePrimvar(COORDINATES, kind, self._geom.Tokens.faceVarying)
+            primvar.Set(self._vt.Vec2fArray.FromNumpy(values))
+            primvar.SetIndices(self._vt.IntArray.FromNumpy(places.ravel().astype(np.int32)))
         used = look.used()
         for material, faces in used:
             if material is not None:
                 prim = written.GetPrim() if len(used) == 1 else self._subset(written, material, np.flatnonzero(faces))
                 self._shade.MaterialBindingAPI.Apply(prim).Bind(self._material(material, look.colors is not None))
 
-    def _primvars(self, written: Any) -> Any:
-        return self._geom.PrimvarsAPI(written)
-
-    def _add_normals(self, written: Any, mesh: Mesh) -> None:
+    def add_normals(self, written: Any, mesh: Mesh) -> None:
+        """Add the normals of a mesh, or those of its faces."""
         normals, way = _face_normals(mesh), self._geom.Tokens.uniform
         if mesh.look is not None and mesh.look.normals is not None:
             normals, way = _flat(mesh.look.normals), self._geom.Tokens.faceVarying

@@ -126,7 +126,9 @@ class _StageWriter:
         if isinstance(shape, Box):
             prim = self._box(above, collision.name, shape, origin)
         else:
-            prim = self._mesh(above, collision.name, shape.mesh, origin).GetPrim()
+            written = self._mesh(above, collision.name, shape.mesh, origin)
+            self.looks.add_normals(written, shape.mesh)
+            prim = written.GetPrim()
             approximation = self.physics.MeshCollisionAPI.Apply(prim).CreateApproximationAttr()
             approximation.Set(self.physics.Tokens.convexHull if isinstance(shape, Hull) else self.physics.Tokens.none)
         self.physics.CollisionAPI.Apply(prim)
