@@ -137,4 +137,6 @@ def test_python_blocks_of_documents_run(
         )
     if 'load("out/cabinet")' in block or "read_joints_json(" in block:
         cabinet_prediction(tmp_path, ("frame", "door_left", "knob", "front", "box")).save("out/cabinet")
+    if "out/cabinet/cabinet." in block:
+        cabinet_prediction(tmp_path).export("out/cabinet", formats=["urdf", "mjcf", "usd"])
     exec(compile(block, "block", "exec"), {"__name__": "block"})

@@ -195,8 +195,7 @@ class Prediction:
             rotation, translation = poses[link.name][:3, :3], poses[link.name][:3, 3]
             for leaf in link.leaves:
                 mesh = self.shape.leaf_mesh(leaf)
-                moved = replace(mesh, vertices=mesh.vertices @ rotation.T + translation)
-                parts[leaf] = replace(parts[leaf], mesh=moved)
+                parts[leaf] = replace(parts[leaf], mesh=mesh.moved(rotation, translation))
         return replace(self.shape, parts=tuple(parts), mobility=None)
 
     def export(

@@ -10,8 +10,8 @@ from typing import Annotated, Any
 
 from typer import Exit, Option, Typer
 
+from kinmo.cli import check, export, predict, prepare, pseudo_label, render, report, synth, table, train
 from kinmo.cli import eval as evaluation
-from kinmo.cli import export, predict, prepare, pseudo_label, render, report, synth, table, train
 from kinmo.cli.execute import one_line_errors
 from kinmo.cli.options import CommonOptions
 
@@ -29,6 +29,7 @@ Start with:
     kinmo eval                         the paper's tables
     kinmo predict my_shapes/ -o out/   joints and URDFs for your own shapes
     kinmo export out/                  the same with your corrections
+    kinmo check out/                   tests in simulators
 """
 
 
@@ -91,6 +92,7 @@ _register("eval", evaluation.evaluate)
 _register("table", table.table)
 _register("predict", predict.predict)
 _register("export", export.export)
+_register("check", check.check)
 _register("report", report.report, without=["workers"])
 
 

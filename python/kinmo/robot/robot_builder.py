@@ -100,7 +100,7 @@ def build_robot(
 
 def _placed(mesh: Mesh, rotation: NDArray[np.float64], scale: float) -> Mesh:
     """A mesh in the frame of the robot."""
-    return Mesh(scale * mesh.vertices @ rotation.T, mesh.faces)
+    return replace(mesh.rotated(rotation), vertices=scale * mesh.vertices @ rotation.T)
 
 
 def link_names(links: Sequence[Link]) -> list[list[str]]:

@@ -51,6 +51,18 @@ def prediction_in(document: JsonField, shape: Shape) -> tuple[ShapeEstimate, Pre
     return prediction, PredictionProvenance(None if weights.is_absent else weights.text(), config)
 
 
+def bodies_in(document: JsonField) -> Mobility:
+    """The bodies and joints that the content of joints.json describes, without their leaves: no shape is needed."""
+    entries = document["bodies"].items()
+    bodies = tuple(
+        Body(entry["id"].integer(), entry["name"].text(), (), _parent(entry, len(entries)), _joint_of(entry))
+        for entry in entries
+    )
+    if has_cycle([body.parent for body in bodies]):
+        raise document["bodies"].fail("expected a tree of bodies, found a cycle")
+    return Mobility(bodies)
+
+
 def _correction(document: JsonField, shape: Shape) -> Correction:
     entry = document["correction"]
     overrides = entry["overrides"].value
@@ -88,11 +100,18 @@ def _body(entry: JsonField, leaf_of: Mapping[int, int], count: int) -> Body:
         if identity not in leaf_of:
             raise part["id"].fail(f"the shape has no leaf {identity}")
         leaves.append(leaf_of[identity])
+    return Body(entry["id"].integer(), entry["name"].text(), tuple(leaves), _parent(entry, count), _joint_of(entry))
+
+
+def _parent(entry: JsonField, count: int) -> int | None:
     parent = None if entry["parent"].is_absent else entry["parent"].integer()
     if parent is not None and not 0 <= parent < count:
         raise entry["parent"].fail("expected the index of a body")
-    joint = None if entry["joint"].is_absent else _joint(entry["joint"])
-    return Body(entry["id"].integer(), entry["name"].text(), tuple(leaves), parent, joint)
+    return parent
+
+
+def _joint_of(entry: JsonField) -> Joint | None:
+    return None if entry["joint"].is_absent else _joint(entry["joint"])
 
 
 def _estimate(entry: JsonField) -> JointEstimate:

@@ -9,7 +9,7 @@ from types import ModuleType
 from kinmo.core.errors import InputError
 
 
-def optional_library(module: str, extra: str, where: Path, what: str) -> ModuleType:
+def optional_library(module: str, extra: str, where: Path | str, what: str, use: str = "read it") -> ModuleType:
     """Import a library of one of kinmo's extras.
 
     Args:
@@ -17,6 +17,7 @@ def optional_library(module: str, extra: str, where: Path, what: str) -> ModuleT
         extra: extra of kinmo that has the library, such as "formats".
         where: the file that needs it.
         what: what the file has that needs it, such as "meshes compressed with Draco".
+        use: what the library is for.
 
     Raises:
         InputError: the library is not installed. The message says how to install it.
@@ -24,4 +25,4 @@ def optional_library(module: str, extra: str, where: Path, what: str) -> ModuleT
     try:
         return import_module(module)
     except ImportError:
-        raise InputError(where, f"{what}: pip install 'kinmo[{extra}]' to read it") from None
+        raise InputError(where, f"{what}: pip install 'kinmo[{extra}]' to {use}") from None

@@ -15,19 +15,23 @@ from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.io.atomic_files import write_folder_atomically
+from kinmo.io.writers.glb_writer import write_glb
 from kinmo.io.writers.joints_json_writer import write_joints_json
 from kinmo.io.writers.mjcf_writer import write_mjcf
 from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
 from kinmo.io.writers.urdf_writer import write_urdf
+from kinmo.io.writers.usd_writer import check_usd_library, write_usd
 from kinmo.io.writers.writer import ExportedObject, ExportOptions, Writer
 
 __all__ = ["WRITERS", "ExportOptions", "ExportedObject", "Writer", "check_formats", "export", "write_formats"]
 
 WRITERS: dict[str, Writer] = {
+    "glb": write_glb,
     "joints_json": write_joints_json,
     "mjcf": write_mjcf,
     "partnet_mobility": write_partnet_mobility,
     "urdf": write_urdf,
+    "usd": write_usd,
 }
 """All writers by the name of their format."""
 
@@ -50,11 +54,13 @@ def export(
 
 
 def check_formats(formats: Sequence[str]) -> None:
-    """Raise InputError if one of the names is no key of `WRITERS`."""
+    """Raise InputError if one of the names is no key of `WRITERS`, or needs a library that is not installed."""
     for name in formats:
         if name not in WRITERS:
             known = ", ".join(WRITERS)
             raise InputError("formats", f"unknown format {name}{did_you_mean(name, WRITERS)}; expected one of {known}")
+        if name == "usd":
+            check_usd_library("formats")
 
 
 def write_formats(
