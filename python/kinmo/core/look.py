@@ -1,7 +1,7 @@
 """How the surface of a mesh looks: materials with images, texture coordinates, colours and normals.
 
-A look belongs to the faces of a mesh, so that it survives whatever joins, splits or reorders them. Colours are numbers as the file
-has them: no colour space is converted.
+A look belongs to the faces of a mesh, so that it survives whatever joins, splits or reorders them. Colours are the numbers of
+the file: no colour space is converted.
 """
 
 from __future__ import annotations
@@ -85,14 +85,24 @@ class Look:
 
     def of_faces(self, chosen: NDArray[Any]) -> Look:
         """The look of some faces. `chosen` has their indices, or True for them."""
-        rows = (None if each is None else each[chosen] for each in (self.uvs, self.colors, self.normals))
-        return Look(self.materials, self.material[chosen], *rows)
+        return Look(
+            self.materials,
+            self.material[chosen],
+            None if self.uvs is None else self.uvs[chosen],
+            None if self.colors is None else self.colors[chosen],
+            None if self.normals is None else self.normals[chosen],
+        )
 
     @property
     def flipped(self) -> Look:
         """The look of the same faces with their corners in reverse order, and their normals to the other side."""
-        uvs, colors = (None if each is None else each[:, ::-1] for each in (self.uvs, self.colors))
-        return Look(self.materials, self.material, uvs, colors, None if self.normals is None else -self.normals[:, ::-1])
+        return Look(
+            self.materials,
+            self.material,
+            None if self.uvs is None else self.uvs[:, ::-1],
+            None if self.colors is None else self.colors[:, ::-1],
+            None if self.normals is None else -self.normals[:, ::-1],
+        )
 
     def moved(self, linear: F64) -> Look:
         """The look of faces that a linear map [3, 3] moves: normals turn as the cross products of edges do."""
@@ -120,7 +130,9 @@ def plain_look(triangles: F64) -> Look:
         normals = np.cross(b - a, c - a)
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         normals = np.where(lengths > 0.0, normals / lengths, (0.0, 0.0, 1.0))
-    return Look((), np.full(len(triangles), NO_MATERIAL, np.int32), normals=np.repeat(normals[:, None], 3, axis=1).astype(np.float32))
+    return Look(
+        (), np.full(len(triangles), NO_MATERIAL, np.int32), normals=np.repeat(normals[:, None], 3, axis=1).astype(np.float32)
+    )
 
 
 def join_looks(looks: Sequence[Look | None], triangles: Sequence[F64]) -> Look | None:
@@ -146,7 +158,7 @@ def join_looks(looks: Sequence[Look | None], triangles: Sequence[F64]) -> Look |
         if name == "normals":
             pairs = zip(found, triangles, strict=True)
             return np.concatenate([plain_look(own).normals if each is None else each for each, own in pairs])
-        blanks = (np.full((len(own), 3, width), fill, dtype) for own in triangles)
+        blanks: list[NDArray[Any]] = [np.full((len(own), 3, width), fill, dtype) for own in triangles]
         return np.concatenate([blank if each is None else each for each, blank in zip(found, blanks, strict=True)])
 
     return Look(

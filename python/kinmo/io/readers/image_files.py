@@ -43,7 +43,7 @@ class ImageBudget:
 
 
 def image_type(begin: bytes, name: str) -> str | None:
-    """Type of an image by its first 16 bytes, or by the ending of its name for TGA, which has no mark. None if it is unknown."""
+    """Type of an image by its first 16 bytes, or by its name for TGA, which has no mark. None if it is unknown."""
     if begin[:4] == b"RIFF" and begin[8:12] == b"WEBP":
         return "image/webp"
     known = next((mime for magic, mime in _MAGIC if begin.startswith(magic)), None)

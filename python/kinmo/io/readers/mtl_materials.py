@@ -10,13 +10,14 @@ from kinmo.core.errors import InputError
 from kinmo.core.look import Image, Material
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.image_files import MAX_NAMED, Ignore, ImageFiles
-from kinmo.io.readers.untrusted_files import inside, read_bytes
+from kinmo.io.readers.untrusted_files import read_bytes
 
 MAX_MTL_BYTES = 16 << 20
 BRIGHTEST = 1000.0
 """Specular exponent `Ns` of a mirror, as Blender has it."""
 _UNUSED_MAPS = {
-    "map_bump": "normal maps", "bump": "normal maps", "norm": "normal maps", "map_kn": "normal maps", "disp": "displacement maps",
+    "map_bump": "normal maps", "bump": "normal maps", "norm": "normal maps", "map_kn": "normal maps",
+    "disp": "displacement maps",
     "map_d": "opacity maps", "map_ke": "emission maps", "map_ks": "specular maps", "map_ns": "specular maps",
     "map_pr": "maps of metalness and roughness", "map_pm": "maps of metalness and roughness", "refl": "reflection maps",
 }  # fmt: skip

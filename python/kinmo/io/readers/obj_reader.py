@@ -57,12 +57,10 @@ def face_places(text: bytes) -> NDArray[np.int64]:
     first, second = letters[breaks + 1], letters[breaks + 2]
     if np.any((first == ord(" ")) | (first == ord("\t"))):  # indented lines are rare
         return np.array([match.start() for match in _FACE.finditer(text)], np.int64)
-    return breaks[(first == ord("f")) & ((second == ord(" ")) | (second == ord("\t")))]
+    return np.asarray(breaks[(first == ord("f")) & ((second == ord(" ")) | (second == ord("\t")))], np.int64)
 
 
-def parse_polygons(
-    text: bytes, where: Path, materials: MtlMaterials | None = None
-) -> tuple[Mesh, NDArray[np.int64]] | None:
+def parse_polygons(text: bytes, where: Path, materials: MtlMaterials | None = None) -> tuple[Mesh, NDArray[np.int64]] | None:
     """The triangles of `text`, from `obj_lines`, and the number of the face line [F] of each. None if it has no faces."""
     lines, colors = _FACE.findall(text), None
     try:
@@ -129,7 +127,9 @@ def _corners(lines: list[bytes], *, with_look: bool) -> Corners:
     return Corners(values, coordinates, normals, sizes)
 
 
-def _indices(text: NDArray[np.uint8], starts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+def _indices(
+    text: NDArray[np.uint8], starts: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
     """The integers that begin at some positions of a text, the positions behind them, and True for those that are integers.
 
     The loop adds one digit to all indices at a time.

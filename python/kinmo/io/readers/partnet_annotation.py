@@ -56,7 +56,7 @@ def read_hierarchy(folder: Path, file: Path) -> Hierarchy:
     source = _mesh_folder(folder)
     problems: dict[int, list[InputError]] = {index: [] for index in names}
     unread: Counter[str] = Counter()
-    has_materials = any(name.lower().endswith(".mtl") for name in os.listdir(source))  # many copies are without
+    has_materials = any(entry.name.lower().endswith(".mtl") for entry in source.iterdir())  # many copies are without
     materials = MtlMaterials(folder, lambda what: unread.update([what])) if has_materials else None
     meshes = {index: _leaf_mesh(names[index], source, folder, materials, problems[index]) for index in names}
     notes = [

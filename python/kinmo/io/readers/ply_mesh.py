@@ -96,8 +96,10 @@ def _colors(element: _Element, columns: dict[str, _Column]) -> NDArray[np.float6
     shown = []
     for name in ("red", "green", "blue", "alpha"):
         if name in columns:
-            values, is_whole = columns[name].values, types[name].kind in "iu"  # texts have floats alone
-            shown.append(values / (np.iinfo(types[name]).max if is_whole else 255.0 if values.max(initial=0.0) > 1.0 else 1.0))
+            values, bits = columns[name].values, 8 * types[name].itemsize
+            whole = {"u": 2.0**bits - 1.0, "i": 2.0 ** (bits - 1) - 1.0}
+            usual = 255.0 if values.max(initial=0.0) > 1.0 else 1.0  # texts have floats alone
+            shown.append(values / whole.get(types[name].kind, usual))
     opaque = [np.ones(len(shown[0]))] * (4 - len(shown))
     colors = np.stack([*shown, *opaque], axis=1)
     return np.clip(colors, 0.0, 1.0) if np.isfinite(colors).all() else None

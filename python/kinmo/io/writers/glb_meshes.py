@@ -44,7 +44,10 @@ class GlbMeshes:
             name: self._file.array(values, ARRAY_BUFFER, bounds=name == "POSITION") for name, values in columns.items()
         }
         indices = self._file.array(faces.reshape(-1), ELEMENT_ARRAY_BUFFER)
-        return {"attributes": attributes, "indices": indices, "material": self._material(material)}
+        primitive: dict[str, Any] = {"attributes": attributes, "indices": indices}
+        if material is not None or "COLOR_0" not in attributes:  # some readers take a material for all there is to see
+            primitive["material"] = self._material(material)
+        return primitive
 
     def _material(self, material: Material | None) -> int:
         if material not in self._materials:

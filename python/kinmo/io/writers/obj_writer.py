@@ -43,9 +43,9 @@ def write_obj(path: Path, mesh: Mesh, textures: TextureImages | None = None, ima
         path.with_suffix(".mtl").write_text(text, encoding="ascii")
     lines, corners = _corners(mesh, look)
     blocks = [head, *lines]
-    for name, (_, faces) in zip(names, groups, strict=True):
+    for name, (_, own) in zip(names, groups, strict=True):
         blocks.append(f"usemtl {name}\n" if head else "")
-        blocks += (f"f {a} {b} {c}\n" for a, b, c in corners[faces].tolist())
+        blocks += (f"f {a} {b} {c}\n" for a, b, c in corners[own].tolist())
     path.write_text("".join(blocks), encoding="ascii")
 
 

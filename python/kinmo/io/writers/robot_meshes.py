@@ -1,7 +1,7 @@
 """Mesh files of a robot, which several formats share: one OBJ for each part as it looks, and for each hull it collides with.
 
-Simulators show one material per mesh, so that a part with several materials becomes several visuals. MuJoCo refuses flat meshes.
-A flat part is therefore written as two sheets with a small distance.
+Simulators show one material per mesh: a part with several materials becomes several visuals. MuJoCo refuses flat meshes. A flat
+part is therefore written as two sheets with a small distance.
 """
 
 from __future__ import annotations
@@ -47,14 +47,13 @@ def with_single_materials(robot: Robot) -> Robot:
                 pieces.append((index, visual.name, visual))
     if len(pieces) == sum(len(link.visuals) for link in robot.links):
         return robot
-    taken = [item.name for link in robot.links for item in (*link.visuals, *link.collisions)]
+    taken = [visual.name for link in robot.links for visual in link.visuals]
+    taken += [collision.name for link in robot.links for collision in link.collisions]
     names = iter(unique_names([*taken, *(name for _, name, visual in pieces if name != visual.name)])[len(taken) :])
     visuals: list[list[Visual]] = [[] for _ in robot.links]
     for index, name, visual in pieces:
         visuals[index].append(visual if name == visual.name else replace(visual, name=next(names)))
-    links: list[RobotLink] = [
-        replace(link, visuals=tuple(own)) for link, own in zip(robot.links, visuals, strict=True)
-    ]
+    links: list[RobotLink] = [replace(link, visuals=tuple(own)) for link, own in zip(robot.links, visuals, strict=True)]
     return replace(robot, links=tuple(links))
 
 
@@ -67,7 +66,7 @@ def _with_one(look: Look | None, material: Material | None) -> Look | None:
 
 
 def shown_material(mesh: Mesh) -> Material | None:
-    """The material of a mesh that has one at most, for formats without vertex colours: their mean becomes part of its colour."""
+    """The material of a mesh that has one at most, with the mean of its vertex colours as part of the base colour."""
     if mesh.look is None:
         return None
     material, colors = next(iter(mesh.look.materials), None), mesh.look.colors

@@ -40,7 +40,9 @@ def in_format(image: Image, types: tuple[str, ...], note: Note) -> Image | None:
             if opened.width * opened.height > MAX_PIXELS:
                 raise ValueError(f"{opened.width} x {opened.height} pixels are too many")
             has_palette = opened.mode not in ("L", "LA", "RGB", "RGBA")
-            picture = opened.convert("RGBA" if "transparency" in opened.info or opened.mode == "PA" else "RGB" if has_palette else None)
+            picture = opened.convert(
+                "RGBA" if "transparency" in opened.info or opened.mode == "PA" else "RGB" if has_palette else None
+            )
             file = io.BytesIO()
             picture.save(file, "PNG")
     except Exception as error:  # Pillow raises many kinds of errors for broken images

@@ -83,9 +83,7 @@ def robot_element(
     return root
 
 
-def _link(
-    link: RobotLink, path_of: MeshPath, rpy: str, material_of: Callable[[Visual], ET.Element | None]
-) -> ET.Element:
+def _link(link: RobotLink, path_of: MeshPath, rpy: str, material_of: Callable[[Visual], ET.Element | None]) -> ET.Element:
     element = ET.Element("link", name=link.name)
     element.append(_inertial(link.inertial, link.origin))
     for item in (*link.visuals, *link.collisions):
