@@ -51,7 +51,7 @@ class WrittenResult:
     Attributes:
         main: path of the main file of each format.
         files: paths of all written files, relative to the folder.
-        notes: one line for everything that a format cannot carry.
+        notes: one line for everything that a user should know about the export.
     """
 
     main: Mapping[str, Path]

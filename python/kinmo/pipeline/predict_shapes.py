@@ -105,7 +105,7 @@ class PredictShapes:
         for document in repaired[:MAX_REPAIRED_LINES]:
             observer.note(f"repaired: {document['id']}: {'; '.join(document['repairs'])}")
         for document in [document for document in documents if document["notes"]][:MAX_REPAIRED_LINES]:
-            observer.note(f"not carried: {document['id']}: {'; '.join(document['notes'])}")
+            observer.note(f"export of {document['id']}: {'; '.join(document['notes'])}")
         for line in _guess_lines(documents):
             observer.note(line)
         for document in documents:

@@ -79,7 +79,7 @@ def write_formats(
         folder: The folder.
         formats: Keys of `WRITERS`.
         options: Settings.
-        notes: Receives a line for everything that a format cannot carry. joints.json has them too.
+        notes: Receives a line for everything that a user should know. joints.json has them too.
 
     Returns:
         Path of the main file of each format.

@@ -47,7 +47,7 @@ class ExportedObject:
         shape: the shape.
         result: a prediction, or a bare mobility such as an annotation, in the frame and the length unit of the shape.
         options: the settings.
-        notes: one line for everything that a format cannot carry. Writers add to it.
+        notes: one line for everything that a user should know, such as what a format cannot carry. Writers add to it.
     """
 
     shape: Shape
@@ -67,9 +67,14 @@ class ExportedObject:
 
     @cached_property
     def robot(self) -> Robot:
-        """The robot that simulators load."""
+        """The robot that simulators load. Its notes are added to those of the export."""
         options = self.options
-        return build_robot(self.shape, self.mobility, options.metres_per_unit, collision=options.collision, physics=options.physics)
+        robot = build_robot(
+            self.shape, self.mobility, options.metres_per_unit, collision=options.collision, physics=options.physics
+        )
+        for line in robot.notes:
+            self.note(line)
+        return robot
 
 
 class Writer(Protocol):
