@@ -35,7 +35,6 @@ GLASS = Material("glass", (0.1, 0.2, 0.9, 0.3), metallic=0.2, roughness=0.1, alp
 @pytest.fixture
 def written(tmp_path: Path) -> Callable[[Look | None], tuple[Usd.Stage, UsdGeom.Mesh, list[str]]]:
     """Writes a box with a look. Returns the stage, the mesh of the box and the notes."""
-
     kept: list[Usd.Stage] = []  # prims live as long as their stage
 
     def write(look: Look | None) -> tuple[Usd.Stage, UsdGeom.Mesh, list[str]]:
