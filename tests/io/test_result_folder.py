@@ -135,7 +135,7 @@ def test_a_failed_export_leaves_the_folder_as_it_was(tmp_path: Path, monkeypatch
     folder = write(tmp_path)
     before = {name: (folder / name).read_bytes() for name in files_below(folder)}
 
-    def full(shape: Any, prediction: Any, draft: Path, options: Any) -> Path:
+    def full(exported: Any, draft: Path) -> Path:
         (draft / "half").touch()
         raise OSError(28, os.strerror(28))
 

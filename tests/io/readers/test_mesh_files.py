@@ -148,6 +148,14 @@ def test_the_components_of_a_3mf_file_are_nodes(tmp_path: Path) -> None:
     assert turned.vertices.tolist() == [[5.0, 0.0, 0.0], [5.0, 1.0, 0.0], [4.0, 0.0, 0.0]]
 
 
+def test_materials_that_a_format_has_but_kinmo_does_not_read_are_said(tmp_path: Path) -> None:
+    colors = "".join(f'<base name="{name}" displaycolor="#ff0000"/>' for name in ("oak", "steel"))
+    colors = f'<basematerials id="9">{colors}</basematerials>'
+    objects = f'{colors}<object id="1" name="leaf">{MESH}</object><object id="2" name="body">{MESH}</object>'
+    shape = kinmo.load(threemf(tmp_path / "a.3mf", objects, '<item objectid="1"/><item objectid="2"/>'))
+    assert shape.repairs == ("materials ignored: 2",)
+
+
 @pytest.mark.parametrize(
     ("objects", "items", "problem"),
     [

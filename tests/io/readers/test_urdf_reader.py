@@ -198,7 +198,10 @@ def test_the_links_of_a_folder_with_a_urdf_are_the_parts(tmp_path):
     assert [(body.name, body.parent) for body in bodies] == [("body", None), ("door", 0), ("drawer", 0)]
     assert [[shape.parts[leaf].name for leaf in body.leaves] for body in bodies] == [["body"], ["door", "handle"], ["drawer"]]
     assert (bodies[1].joint.kind, bodies[1].joint.lower, bodies[1].joint.upper) == (JointKind.REVOLUTE, 0.0, 2.0)
-    assert shape.repairs == ("joint door_j: range widened to contain the rest value 0",)
+    assert shape.repairs == (
+        "joint door_j: range widened to contain the rest value 0",
+        "materials box.mtl (missing) ignored: 1",
+    )
 
 
 def test_the_order_of_links_does_not_matter(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -33,8 +34,11 @@ from kinmo.core.frames import Y_UP_TO_Z_UP
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.look import Image as Picture
 from kinmo.core.mobility import Body, Mobility
+from kinmo.core.motion_types import MotionType
 from kinmo.core.shape import Shape
+from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.io.readers import read_partnet_mobility
+from kinmo.io.result_folder import write_result
 from kinmo.io.writers import WRITERS, ExportedObject, ExportOptions
 
 Fixture = Callable[[Path], Textured]
@@ -111,6 +115,17 @@ def test_obj_files_of_a_urdf_keep_images_and_coordinates(made: Textured, tmp_pat
         assert {tuple(material.diffuse) for material in shown} == {
             tuple(np.round(255 * np.array(color)).astype(int)) for color in made.base_colors
         }
+
+
+def test_a_urdf_comes_back_with_its_look(made: Textured, tmp_path: Path) -> None:
+    exported(kinmo.load(made.path), tmp_path / "out", "urdf")
+    found = kinmo.load(tmp_path / "out" / "out.urdf")
+    assert found.repairs == ()
+    looks = [mesh.look for mesh in found.meshes()]
+    assert {m.image.data for look in looks if look for m in look.materials if m.image is not None} == made.images
+    if made.uvs is not None:
+        rows = [(m.triangles @ Y_UP_TO_Z_UP, m.look.uvs) for m in found.meshes() if m.look is not None]
+        assert_same_rows(np.concatenate([np.concatenate(row, axis=2).reshape(-1, 5) for row in rows]), expected_corners(made))
 
 
 def test_partnet_mobility_comes_back_with_its_look(made: Textured, tmp_path: Path) -> None:
@@ -194,6 +209,18 @@ def test_vertex_colors_survive_in_glb_and_obj(tmp_path: Path) -> None:
         areas = np.linalg.norm(np.cross(*np.moveaxis(np.diff(triangles(part), axis=1), 1, 0)), axis=1)
         means.append(np.average(made.colors[part][..., 0].mean(axis=1) / 255, weights=areas))
     np.testing.assert_allclose(sorted(model.mat_rgba[:, 0]), sorted(means), atol=1e-6)
+
+
+def test_notes_are_in_joints_json(tmp_path: Path) -> None:
+    shape = kinmo.load(vertex_colors(tmp_path).path)
+    mobility = exported(shape, tmp_path / "first").mobility
+    estimates = tuple((JointEstimate(body.joint, MotionType.FIXED, 0.5),) for body in mobility.bodies)
+    estimate = ShapeEstimate(shape.id, shape.category, mobility, estimates, (), "kinmo")
+    options = ExportOptions("out", collision="none")
+    written = write_result(shape, estimate, tmp_path / "out", ("joints_json", "mjcf"), options)
+    document = json.loads((tmp_path / "out" / "joints.json").read_text())
+    assert document["export"]["notes"] == list(written.notes) and len(written.notes) == 1
+    assert list(written.main) == ["joints_json", "mjcf"]
 
 
 def test_a_part_with_two_materials_becomes_two_visuals_with_its_name(tmp_path: Path) -> None:

@@ -44,6 +44,8 @@ def read_dae_scene(path: Path) -> Scene:
         if document.scene is None:
             raise InputError(path, "expected a visual scene")
         _add_nodes(builder, collada, document.scene.nodes)
+        for _ in document.materials:
+            builder.ignore("materials")
         unit, up = document.assetInfo.unitmeter, document.assetInfo.upaxis
     except InputError:
         raise

@@ -37,6 +37,7 @@ class GltfScene:
         self._primitives: dict[int, list[Primitive]] = {}
         self._surfaces: dict[int, Mesh | None] = {}
         self._ignored: Counter[str] = Counter()
+        self._normals = 0
         self._materials = GltfMaterials(file, self._ignore)
         self._parents = {child.integer(): index for index, child in _child_fields(file)}
         self._poses: dict[int, F64] = {}
@@ -98,8 +99,15 @@ class GltfScene:
         found = []
         for one in poses:
             self._budget.spend(len(surface.vertices))
-            found.append(placed(surface, one, node.where))
+            found.append(placed(self._with_normals_in_budget(surface), one, node.where))
         return found
+
+    def _with_normals_in_budget(self, surface: Mesh) -> Mesh:
+        """The mesh without its normals if those of all instances together are too many. All else is shared by instances."""
+        if surface.look is None or surface.look.normals is None:
+            return surface
+        self._normals += surface.faces.size
+        return surface if self._normals <= limits.MAX_CORNERS else replace(surface, look=replace(surface.look, normals=None))
 
     def _surface(self, index: JsonField) -> Mesh | None:
         """The triangles of a mesh in its own frame. None if it has none."""

@@ -11,6 +11,7 @@ from kinmo.core.shape import Mesh, join
 from kinmo.io.readers.dae_reader import read_dae_scene
 from kinmo.io.readers.gltf_reader import read_glb_scene
 from kinmo.io.readers.msh_mesh import read_msh_mesh
+from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.off_mesh import read_off_mesh
 from kinmo.io.readers.ply_mesh import read_ply_mesh
@@ -56,12 +57,15 @@ class RobotMeshes:
         files: all files that were asked for.
     """
 
-    def __init__(self, path: Path, home: Path, report: Callable[[InputError], None]) -> None:
-        """Args: the robot file, `home`, and what receives the problem of a mesh that cannot be read."""
+    def __init__(
+        self, path: Path, home: Path, report: Callable[[InputError], None], materials: MtlMaterials | None = None
+    ) -> None:
+        """Args: the robot file, `home`, what receives the problem of an unreadable mesh, and the materials of OBJ files."""
         self.home = home
         self.files: list[Path] = []
         self._budget = CornerBudget(path)
         self._report = report
+        self._materials = materials
         self._meshes: dict[Path, Mesh | None] = {}
 
     def read(self, path: Path) -> Mesh | None:
@@ -74,7 +78,7 @@ class RobotMeshes:
             self.files.append(file)
             self._meshes[file] = None
             try:
-                self._meshes[file] = read_mesh(file)
+                self._meshes[file] = read_mesh(file, self._materials)
             except InputError as problem:
                 self._report(problem)
         mesh = self._meshes[file]
@@ -86,17 +90,17 @@ class RobotMeshes:
         return mesh
 
 
-def read_mesh(path: Path) -> Mesh:
+def read_mesh(path: Path, materials: MtlMaterials | None = None) -> Mesh:
     """All triangles of a mesh file (OBJ, STL, PLY, OFF, MSH, DAE, glTF) in the frame of the file.
 
     Coordinates of DAE files are in metres, whatever their unit. Their up axis is ignored, as in ROS. Raises InputError for
-    files that are missing or broken, have no faces, or have another format.
+    files that are missing or broken, have no faces, or have another format. OBJ files have their look if `materials` is given.
     """
     if not is_file(path):
         raise InputError(path, "expected a mesh file, found none")
     ending = path.suffix.lower()
     if ending == ".obj":
-        mesh = read_obj(path, path.parent)
+        mesh = read_obj(path, path.parent, materials)
     elif ending == ".stl":
         mesh = _whole(read_stl_scene(path))
     elif ending == ".ply":

@@ -28,6 +28,8 @@ _MODEL = "3D/3dmodel.model"
 _METRES = {
     "micron": 1e-6, "millimeter": 0.001, "centimeter": 0.01, "meter": 1.0, "inch": 0.0254, "foot": 0.3048
 }  # fmt: skip
+_MATERIALS = ("base", "color", "texture2d")
+"""Elements of materials, which are not read."""
 _UNSHOWN = ("support", "solidsupport")
 """Types of objects that are no part of the model."""
 
@@ -77,6 +79,8 @@ def read_threemf_scene(path: Path) -> Scene:
     except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, ValueError, EOFError) as error:
         raise InputError(path, f"expected a readable 3MF file ({error})") from None
     builder = SceneBuilder(path)
+    for _ in range(package.materials):
+        builder.ignore("materials")
     meshes: dict[tuple[str, str], Mesh | None] = {}
     pending = [(item, 0, np.eye(4)) for item in reversed(package.items)]
     while pending:
@@ -105,6 +109,7 @@ class _Package:
         self.objects: dict[tuple[str, str], _Object] = {}
         self.items: list[_Reference] = []
         self.metres_per_unit = _METRES["millimeter"]
+        self.materials = 0
         self._left = MAX_SCENE_BYTES
         self._object: _Object | None = None
 
@@ -160,6 +165,8 @@ class _Package:
             self._object = self.objects[model, attributes["id"]] = _Object(attributes.get("name", ""), is_shown)
         elif tag == "component" and self._object is not None:
             self._object.components.append(_reference(attributes, model))
+        elif tag in _MATERIALS:
+            self.materials += 1
         elif tag == "item" and is_root:
             self.items.append(_reference(attributes, model))
         elif tag == "model" and is_root:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +16,13 @@ from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers import solids
+from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.robot_file import FIXED, MAX_NUMBER, JointElement, Matrix, RobotFile, RobotPiece, ordered_links
 from kinmo.io.readers.robot_meshes import RobotMeshes, mesh_path, refuse
 from kinmo.io.readers.robot_numbers import read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
-from kinmo.io.readers.scene import placed
+from kinmo.io.readers.scene import ignored, placed
 from kinmo.io.readers.untrusted_files import read_bytes
 from kinmo.io.readers.xml_files import MAX_XML_BYTES, parse_xml
 
@@ -33,10 +36,16 @@ def read_urdf(path: Path) -> Shape:
     """Read a URDF file as a shape (see `shape_of_robot`). Meshes that cannot be read are skipped with a note."""
     path = Path(path)
     problems: list[InputError] = []
-    return shape_of_robot(read_robot_file(path, _home(path), problems.append), URDF, "URDF", problems)
+    unread: Counter[str] = Counter()
+    materials = MtlMaterials(_home(path), lambda what: unread.update([what]))
+    robot = read_robot_file(path, _home(path), problems.append, materials)
+    shape = shape_of_robot(robot, URDF, "URDF", problems)
+    return replace(shape, repairs=(*shape.repairs, *ignored(unread)))
 
 
-def read_robot_file(path: Path, home: Path, report: Callable[[InputError], None] = refuse) -> RobotFile:
+def read_robot_file(
+    path: Path, home: Path, report: Callable[[InputError], None] = refuse, materials: MtlMaterials | None = None
+) -> RobotFile:
     """Read a URDF file with its meshes. Collision shapes are used if no link has visual ones.
 
     Meshes in a `package://` or `model://` are searched beside the file and in the folders above it, up to `home`.
@@ -45,6 +54,7 @@ def read_robot_file(path: Path, home: Path, report: Callable[[InputError], None]
         path: the file.
         home: a folder at or above that of the file. No path of a mesh may lead out of it.
         report: receives the problem of each mesh that cannot be read. By default it is raised.
+        materials: reads the materials of OBJ files. None to read shapes alone.
 
     Raises:
         InputError: the file is no URDF, its links form no tree, or a path leads out of `home`.
@@ -56,7 +66,7 @@ def read_robot_file(path: Path, home: Path, report: Callable[[InputError], None]
     joints = [_joint_element(path, element) for element in root.findall("joint")]
     links = ordered_links(path, list(elements), joints)
     role = "visual" if root.find("link/visual") is not None else "collision"
-    meshes = RobotMeshes(path, home, report)
+    meshes = RobotMeshes(path, home, report, materials)
     pieces = {
         name: [piece for each in element.findall(role) if (piece := _piece(path, meshes, each)) is not None]
         for name, element in elements.items()

@@ -71,6 +71,8 @@ class _UsdScene:
             if not self._is_shown(prim):
                 continue
             name = prim.GetDisplayName() or prim.GetName()
+            if prim.GetTypeName() == "Material":
+                self.builder.ignore("materials")
             if prim.IsA(self.geom.PointInstancer):
                 for instance in self._instances(prim):
                     self.builder.add(name, parent, instance)
