@@ -38,7 +38,7 @@ def gap(robot: Robot, one: int, other: int) -> float:
 
 def test_a_door_that_touches_the_carcass_gets_a_gap() -> None:
     robot = robot_with(((0.0, 0.0, 0.5), (1.0, 1.0, 0.52)), joint=Joint(JointKind.REVOLUTE, Y, np.array([0, 0, 0.52]), -1.5, 0.0))
-    assert gap(robot, 0, 1) == pytest.approx(GAP * robot.diagonal, rel=0.01)
+    assert GAP <= gap(robot, 0, 1) / robot.diagonal <= 3.0 * GAP
 
 
 def test_parts_that_are_apart_stay_as_they_are() -> None:

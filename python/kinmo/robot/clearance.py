@@ -32,9 +32,9 @@ MAX_CUT_ON_THE_WAY = 0.25
 """Largest share of a shape's extent that is cut off for another joint value. Otherwise the joint stops before."""
 MIN_TRAVEL = 0.5
 """Least share of the travel to a limit that is left if the joint stops before. Otherwise the smaller shape is dropped."""
-STEP = 0.01
+STEP = 0.004
 """Longest path of a point between two joint values that are looked at, in diagonals of the object."""
-MAX_STEPS = 200
+MAX_STEPS = 500
 """Most joint values from the pose of the file to a limit that are looked at."""
 FULL_TURN = (-np.pi, np.pi)
 """Range of a continuous joint."""
@@ -231,7 +231,7 @@ def _uncut(moving: _Group, others: _Group, pose: Pose, gap: float, most: float) 
         front, back = here.min(axis=0) - there.max(axis=0), there.min(axis=0) - here.max(axis=0)
         if max(front.max(), back.max()) >= gap:
             continue
-        needs = np.concatenate([gap - front, gap - back])
+        needs = 2.0 * gap - np.concatenate([front, back])  # twice the gap, for fewer cuts on the way
         extents = np.stack([np.tile(np.ptp(values, axis=0), 2) for values in (here, there)])
         shares = needs / np.maximum(extents, 1e-12)
         which, way = np.unravel_index(int(np.argmin(shares)), shares.shape)
