@@ -172,7 +172,9 @@ def _expressible(truth: Shape, shown: Shape, form: str, folder: Path) -> int:
     assert truth.mobility is not None and shown.mobility is not None
     if form != PIECES:
         return sum(1 for _ in truth.mobility.movable())
-    return sum(part.found for part in score_urdf(truth, export(shown, shown.mobility, folder, ["urdf"], BARE)["urdf"], folder).parts)
+    return sum(
+        part.found for part in score_urdf(truth, export(shown, shown.mobility, folder, ["urdf"], BARE)["urdf"], folder).parts
+    )
 
 
 def calibration_error(probabilities: NDArray[np.float64], is_ok: NDArray[np.bool_], bins: int = BINS) -> float | None:

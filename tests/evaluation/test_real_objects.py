@@ -2,8 +2,8 @@
 
 import pybullet
 import pytest
-
 from exports import write_partnet_mobility, write_urdf
+
 from kinmo.core.joint import JointKind
 from kinmo.core.links import links_of
 from kinmo.evaluation.urdf_scoring import score_urdf

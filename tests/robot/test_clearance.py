@@ -37,7 +37,9 @@ def gap(robot: Robot, one: int, other: int) -> float:
 
 
 def test_a_door_that_touches_the_carcass_gets_a_gap() -> None:
-    robot = robot_with(((0.0, 0.0, 0.5), (1.0, 1.0, 0.52)), joint=Joint(JointKind.REVOLUTE, Y, np.array([0, 0, 0.52]), -1.5, 0.0))
+    robot = robot_with(
+        ((0.0, 0.0, 0.5), (1.0, 1.0, 0.52)), joint=Joint(JointKind.REVOLUTE, Y, np.array([0, 0, 0.52]), -1.5, 0.0)
+    )
     assert GAP <= gap(robot, 0, 1) / robot.diagonal <= 3.0 * GAP
 
 
@@ -72,7 +74,10 @@ def test_a_part_inside_another_is_dropped() -> None:
 
 
 def test_parts_of_one_link_may_overlap() -> None:
-    bodies = [Body(0, "carcass", (1,)), Body(1, "door", (2, 3), 0, Joint(JointKind.REVOLUTE, Y, np.array([0, 0, 0.6]), -1.5, 0.0))]
+    bodies = [
+        Body(0, "carcass", (1,)),
+        Body(1, "door", (2, 3), 0, Joint(JointKind.REVOLUTE, Y, np.array([0, 0, 0.6]), -1.5, 0.0)),
+    ]
     door, knob = ((0.0, 0.0, 0.6), (1.0, 1.0, 0.62)), ((0.9, 0.5, 0.61), (0.95, 0.55, 0.66))
     shape = shape_of_boxes([CARCASS, door, knob], bodies)
     robot = build_robot(shape, shape.mobility, collision="convex")

@@ -92,7 +92,7 @@ def read_result(folder: Path, source: Path | None = None) -> SavedResult:
 
 
 def _collision(field: JsonField) -> CollisionMode:
-    modes = {mode: mode for mode in COLLISION_MODES}
+    modes: dict[str, CollisionMode] = {mode: mode for mode in COLLISION_MODES}
     if field.is_absent:
         return DEFAULT_MODE
     if field.text() not in modes:

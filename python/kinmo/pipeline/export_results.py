@@ -20,7 +20,6 @@ from kinmo.io.folder_lock import locked
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.writers import check_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME
-from kinmo.robot.collision_geometry import CollisionMode
 from kinmo.pipeline.result_export import (
     ExportedResult,
     ExportJob,
@@ -30,6 +29,7 @@ from kinmo.pipeline.result_export import (
     files_of,
     keep_current,
 )
+from kinmo.robot.collision_geometry import CollisionMode
 
 SECONDS_PER_RESULT = 1.0  # estimate, for one CPU core
 JOBS_PER_PROCESS = 8

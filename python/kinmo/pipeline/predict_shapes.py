@@ -239,9 +239,7 @@ class PredictionWriter:
             shape = job.found.read(self.facts)
             prediction = predict_shape(shape, self.method, seed=self.seed)
             provenance = PredictionProvenance(self.method.weights, self.method.config)
-            options = ExportOptions(
-                job.folder.name, shape.metres_per_unit, provenance=provenance, collision=self.collision
-            )
+            options = ExportOptions(job.folder.name, shape.metres_per_unit, provenance=provenance, collision=self.collision)
             return list(write_result(shape, prediction, job.folder, self.formats, options).files)
         except ValueError as error:
             return str(error) if isinstance(error, InputError) else f"{printable_path(job.found.path)}: {error}"

@@ -145,7 +145,9 @@ def with_clearance(robot: Robot) -> Robot:
         for piece, other in _uncut(*groups[joint.child], np.eye(4), gap, MAX_CUT_AT_REST):
             _drop_smaller(piece, other)
     joints = [
-        _cleared(joint, robot.links[joint.child].origin, *groups[joint.child], robot.diagonal) if joint.child in groups else joint
+        _cleared(joint, robot.links[joint.child].origin, *groups[joint.child], robot.diagonal)
+        if joint.child in groups
+        else joint
         for joint in robot.joints
     ]
     kept: dict[int, list[Collision]] = {index: [] for index in range(len(robot.links))}
@@ -190,7 +192,9 @@ def _stops(before: Sequence[RobotJoint], after: Sequence[RobotJoint]) -> list[st
     for old, new in zip(before, after, strict=True):
         if (old.lower, old.upper) != (new.lower, new.upper) and new.lower is not None and new.upper is not None:
             unit, scale = ("mm", 1000.0) if new.kind is RobotJointKind.PRISMATIC else ("degrees", math.degrees(1.0))
-            found.append(f"{new.name} stops at {scale * new.lower:.0f} and {scale * new.upper:.0f} {unit}, where it hits another part")
+            found.append(
+                f"{new.name} stops at {scale * new.lower:.0f} and {scale * new.upper:.0f} {unit}, where it hits another part"
+            )
     return found
 
 

@@ -120,7 +120,9 @@ def _remember(path: Path, pieces: Sequence[Points]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent) as place:
             draft = Path(place) / "pieces.npz"
-            np.savez(draft, points=np.concatenate([np.zeros((0, 3)), *pieces]), counts=np.array([len(each) for each in pieces], int))
+            np.savez(
+                draft, points=np.concatenate([np.zeros((0, 3)), *pieces]), counts=np.array([len(each) for each in pieces], int)
+            )
             shutil.move(draft, path)
     except OSError:
         return

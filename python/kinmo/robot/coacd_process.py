@@ -15,7 +15,6 @@ from pathlib import Path
 os.environ["OMP_NUM_THREADS"] = "1"  # more threads wait for each other most of the time
 
 import coacd
-
 import numpy as np
 
 SETTINGS = {

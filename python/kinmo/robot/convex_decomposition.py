@@ -69,7 +69,8 @@ def bisected(piece: Mesh, diagonal: float) -> list[NDArray[np.float64]]:
 
     This is coarse and fast. `diagonal` is that of the object.
     """
-    done, waiting = [], [(np.inf, piece)]
+    done: list[Mesh] = []
+    waiting: list[tuple[float, Mesh]] = [(np.inf, piece)]
     while waiting and len(done) + len(waiting) < MAX_BISECTED:
         waiting.sort(key=lambda each: each[0])
         _, widest = waiting.pop()
@@ -86,7 +87,8 @@ def bisected(piece: Mesh, diagonal: float) -> list[NDArray[np.float64]]:
 
 def _cut(mesh: Mesh, normal: NDArray[np.float64], origin: NDArray[np.float64]) -> Mesh:
     """The part of a surface in front of a plane."""
-    vertices, faces, _ = slice_faces_plane(mesh.vertices, mesh.faces.astype(np.int64), normal, origin)
+    faces = mesh.faces.astype(np.int64)
+    vertices, faces, _ = slice_faces_plane(mesh.vertices, faces, normal, origin)  # type: ignore[no-untyped-call]
     return Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32)).compact
 
 

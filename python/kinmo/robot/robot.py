@@ -121,6 +121,11 @@ class RobotLink:
     collisions: tuple[Collision, ...]
     inertial: Inertial
 
+    @property
+    def geometry(self) -> tuple[Visual | Collision, ...]:
+        """All parts as they look, then the collision geometry."""
+        return (*self.visuals, *self.collisions)
+
 
 @dataclass(frozen=True, eq=False)
 class Robot:

@@ -57,7 +57,7 @@ def build_robot(
     metres_per_unit: float = 1.0,
     *,
     collision: CollisionMode = "none",
-    physics: Physics = Physics(),  # noqa: B008 (frozen)
+    physics: Physics = Physics(),
 ) -> Robot:
     """The robot of a shape.
 
@@ -78,7 +78,9 @@ def build_robot(
     links: list[RobotLink] = []
     joints: list[RobotJoint] = []
     place: dict[int, int] = {}
-    for index, (link, (name, joint_name, slide, slide_joint)) in enumerate(zip(kinmo_links, link_names(kinmo_links), strict=True)):
+    for index, (link, (name, joint_name, slide, slide_joint)) in enumerate(
+        zip(kinmo_links, link_names(kinmo_links), strict=True)
+    ):
         meshes = {leaf: _placed(shape.leaf_mesh(leaf), rotation, metres_per_unit) for leaf in link.leaves}
         visuals = tuple(Visual(names[leaf], leaf, mesh) for leaf, mesh in meshes.items())
         origin = _origin(link.joint, list(meshes.values()), rotation, metres_per_unit)

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import trimesh
 from articulated import shape_of_boxes
+from exports import write_partnet_mobility, write_urdf
 from scipy.spatial.transform import Rotation
 from trained_workspace import Recorder
 
-from exports import write_partnet_mobility, write_urdf
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility

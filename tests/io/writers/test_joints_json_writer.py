@@ -7,9 +7,9 @@ from importlib.resources import files
 import numpy as np
 import pytest
 from articulated import articulated_shapes, shape_of_boxes
+from exports import write_joints_json
 from hypothesis import given, settings
 
-from exports import write_joints_json
 from kinmo.core.errors import InputError
 from kinmo.core.mobility import Body
 from kinmo.core.motion_types import CoarseType, MotionType

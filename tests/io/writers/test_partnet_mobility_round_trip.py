@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from articulated import articulated_shapes
+from exports import write_partnet_mobility
 from hypothesis import given, settings
 
-from exports import write_partnet_mobility
 from kinmo.core.categories import canonical_category
 from kinmo.core.joint import Joint
 from kinmo.core.mobility import Body

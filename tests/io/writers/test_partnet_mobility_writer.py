@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import trimesh
 from articulated import articulated_shapes, shape_of_boxes
+from exports import write_partnet_mobility, write_urdf
 from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
-from exports import write_partnet_mobility, write_urdf
 from kinmo.core.categories import canonical_category
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility

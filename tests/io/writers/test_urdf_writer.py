@@ -8,10 +8,10 @@ import pybullet
 import pytest
 import trimesh
 from articulated import articulated_shapes, shape_of_boxes
+from exports import write_urdf
 from hypothesis import given, settings
 from scipy.spatial.transform import Rotation
 
-from exports import write_urdf
 from kinmo.core.errors import InputError
 from kinmo.core.frames import z_up_rotation
 from kinmo.core.joint import Joint, JointKind
@@ -56,7 +56,9 @@ def load_robot(path, client):
 def test_a_simulator_moves_every_link_as_kinmo_does(tmp_path_factory, bullet, shape):
     scale = 0.7
     mobility = with_other_rest_values(shape.mobility)
-    path = write_urdf(shape, mobility, tmp_path_factory.mktemp("robot") / "out", ExportOptions(metres_per_unit=scale, collision="none"))
+    path = write_urdf(
+        shape, mobility, tmp_path_factory.mktemp("robot") / "out", ExportOptions(metres_per_unit=scale, collision="none")
+    )
     origins = {link.name: link.origin for link in build_robot(shape, mobility, scale).links}
     robot, joints, names = load_robot(path, bullet)
     rotation, links = z_up_rotation(np.array(shape.up)), links_of(mobility)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -74,12 +74,10 @@ def check_object(name: str, simulator: Simulator, kinematics: Kinematics, diagon
     resting = rest_problems(simulator.joints, simulator.rest(REST_SECONDS), diagonal)
     moving = [problem for index in range(len(simulator.joints)) if (problem := drive_problem(simulator, index))]
     differing = kinematics_problems(simulator, kinematics)
-    return SimulationCheck(
-        name, True, not resting, not moving, not differing, tuple([*resting, *moving, *differing])
-    )
+    return SimulationCheck(name, True, not resting, not moving, not differing, (*resting, *moving, *differing))
 
 
-def rest_problems(joints: tuple[SimulatedJoint, ...], record: RestRecord, diagonal: float) -> list[str]:
+def rest_problems(joints: Sequence[SimulatedJoint], record: RestRecord, diagonal: float) -> list[str]:
     """Reasons why an object does not stay at rest. `diagonal` is that of the object, in metres."""
     if not record.is_finite:
         return ["does not rest: the simulation diverges"]

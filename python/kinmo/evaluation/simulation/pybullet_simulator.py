@@ -67,9 +67,7 @@ class PybulletSimulator:
         self._reset(values)
         poses = {}
         for index in range(self._count):
-            state = pybullet.getLinkState(
-                self._body, index, computeForwardKinematics=True, physicsClientId=self._client
-            )
+            state = pybullet.getLinkState(self._body, index, computeForwardKinematics=True, physicsClientId=self._client)
             pose = np.eye(4)
             pose[:3, :3] = Rotation.from_quat(state[5]).as_matrix()
             pose[:3, 3] = state[4]
@@ -97,9 +95,7 @@ class PybulletSimulator:
         return RestRecord(self._values(), -np.array(torques), fastest, max(penetration, 0.0), is_finite)
 
     def _origins(self) -> Vector:
-        states = [
-            pybullet.getLinkState(self._body, index, physicsClientId=self._client)[4] for index in range(self._count)
-        ]
+        states = [pybullet.getLinkState(self._body, index, physicsClientId=self._client)[4] for index in range(self._count)]
         return np.array(states).reshape(-1, 3)
 
     def drive(self, joint: int, targets: tuple[float, float], seconds: float) -> tuple[float, float]:

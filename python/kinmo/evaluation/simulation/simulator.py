@@ -56,7 +56,7 @@ class Simulator(Protocol):
         """The joints that can move. Their values are zero in the pose of the file."""
 
     def link_poses(self, values: Vector) -> Mapping[str, Pose]:
-        """Poses [4, 4] of all links by name at joint values [J], in the world. Links that are welded together may be missing."""
+        """Poses [4, 4] of links by name at joint values [J], in the world. Links that are welded together may be missing."""
 
     def rest(self, seconds: float) -> RestRecord:
         """Simulate the object from the pose of the file."""

@@ -58,7 +58,12 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOpti
             "digest": shape_digest(shape),
             "repairs": list(shape.repairs),
         },
-        "export": {"name": options.name, "metres_per_unit": options.metres_per_unit, "formats": list(options.formats), "collision": options.collision},
+        "export": {
+            "name": options.name,
+            "metres_per_unit": options.metres_per_unit,
+            "formats": list(options.formats),
+            "collision": options.collision,
+        },
         "bodies": _bodies(shape, prediction),
     }
     if correction is not None:

@@ -59,7 +59,7 @@ def mjcf_element(robot: Robot, textures: TextureImages) -> ET.Element:
         joint = robot.joint_of(index)
         above, origin = (world, np.zeros(3)) if joint is None else (bodies[joint.parent], robot.links[joint.parent].origin)
         bodies.append(_body(above, link, joint, link.origin - origin, materials))
-        for item in (*link.visuals, *link.collisions):
+        for item in link.geometry:
             if not (isinstance(item, Collision) and isinstance(item.shape, Box)):
                 ET.SubElement(assets, "mesh", name=item.name, file=mesh_file(item))
     return root

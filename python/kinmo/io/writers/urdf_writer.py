@@ -86,7 +86,7 @@ def robot_element(
 def _link(link: RobotLink, path_of: MeshPath, rpy: str, material_of: Callable[[Visual], ET.Element | None]) -> ET.Element:
     element = ET.Element("link", name=link.name)
     element.append(_inertial(link.inertial, link.origin))
-    for item in (*link.visuals, *link.collisions):
+    for item in link.geometry:
         piece = ET.SubElement(element, "visual" if isinstance(item, Visual) else "collision", name=item.name)
         if isinstance(item, Collision) and isinstance(item.shape, Box):
             box = item.shape
