@@ -34,7 +34,7 @@ def moments(inertia: NDArray[np.float64]) -> NDArray[np.float64]:
 def test_closed_parts_agree_with_trimesh(seed: int) -> None:
     solid = placed(trimesh.creation.annulus(0.3, 0.5, 0.2), seed)
     solid.density = 250.0
-    found = inertial_of([mesh_of(solid)], 250.0)
+    found = inertial_of([mesh_of(solid)], [250.0])
     assert found.mass == pytest.approx(solid.mass)
     assert found.center == pytest.approx(solid.center_mass, abs=1e-9)
     assert found.inertia == pytest.approx(solid.moment_inertia, abs=1e-8)

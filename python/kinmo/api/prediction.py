@@ -32,7 +32,7 @@ from kinmo.io.writers import ExportedObject, ExportOptions
 from kinmo.io.writers.joints_json_writer import write_joints_json
 from kinmo.io.writers.overrides_writer import overrides_text
 from kinmo.robot.collision_geometry import DEFAULT_MODE, CollisionMode
-from kinmo.robot.robot_builder import Physics
+from kinmo.robot.physics import Physics
 
 
 @dataclass(frozen=True, eq=False)

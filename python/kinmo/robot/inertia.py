@@ -22,14 +22,17 @@ _BALL = Inertial(MIN_MASS, np.zeros(3), MIN_MASS / 6.0 * MIN_EXTENT**2 * np.eye(
 """A link without parts."""
 
 
-def inertial_of(meshes: Sequence[Mesh], density: float = DENSITY) -> Inertial:
+def inertial_of(meshes: Sequence[Mesh], densities: Sequence[float] | None = None) -> Inertial:
     """Mass and inertia of a link with some parts, or of a tiny ball at the origin if it has none.
 
     Args:
         meshes: The parts.
-        density: Their density in kg/m3.
+        densities: Density of each part in kg/m3. None for `DENSITY`.
     """
-    return joined(solid_inertial(mesh, density) if is_solid(mesh) else box_inertial(mesh, density) for mesh in meshes)
+    return joined(
+        solid_inertial(mesh, density) if is_solid(mesh) else box_inertial(mesh, density)
+        for mesh, density in zip(meshes, densities or [DENSITY] * len(meshes), strict=True)
+    )
 
 
 def is_solid(mesh: Mesh) -> bool:

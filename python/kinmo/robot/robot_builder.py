@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,38 +17,12 @@ from kinmo.core.shape import Mesh, Shape, bounds_of
 from kinmo.core.vector import Vector
 from kinmo.robot.clearance import with_clearance
 from kinmo.robot.collision_geometry import CollisionMode, collision_shapes
-from kinmo.robot.inertia import DENSITY, inertial_of
+from kinmo.robot.inertia import inertial_of
+from kinmo.robot.physics import Physics, damped
 from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind, RobotLink, Visual
 
-DAMPING = 0.1
-"""Damping of every joint, in N s/m or N m s/rad."""
-FRICTION = 0.0
-"""Dry friction of every joint, in N or N m."""
-MAX_EFFORT = 100.0
-"""Largest force of a motor, in N or N m."""
-MAX_VELOCITY = 10.0
-"""Largest speed, in m/s or rad/s."""
 NAME_ENDINGS = ("", "_joint", "_slide", "_slide_joint")
 """Endings of the names of a link, its joint, and the extra link and joint of a screw."""
-
-
-@dataclass(frozen=True)
-class Physics:
-    """Physical constants of a robot, the same for all its links and joints.
-
-    Attributes:
-        density: density of parts in kg/m3.
-        damping: damping of joints in N s/m or N m s/rad.
-        friction: dry friction of joints in N or N m.
-        effort: largest force of a motor in N or N m.
-        velocity: largest speed in m/s or rad/s.
-    """
-
-    density: float = DENSITY
-    damping: float = DAMPING
-    friction: float = FRICTION
-    effort: float = MAX_EFFORT
-    velocity: float = MAX_VELOCITY
 
 
 def build_robot(
@@ -94,10 +68,12 @@ def build_robot(
                     parent = len(links)
                     links.append(RobotLink(slide, origin, (), (), inertial_of([])))
         place[index] = len(links)
-        links.append(RobotLink(name, origin, visuals, (), inertial_of(list(meshes.values()), physics.density)))
+        densities = [physics.density_of(shape.parts[leaf].name) for leaf in meshes]
+        links.append(RobotLink(name, origin, visuals, (), inertial_of(list(meshes.values()), densities)))
     colliding, notes = _with_collisions(links, diagonal, collision)
     title = unique_names([f"{shape.category}_{shape.id}"])[0]
-    return with_clearance(Robot(title, colliding, tuple(joints), diagonal, notes))
+    every = tuple(joints) if physics.damping is not None else damped(joints, colliding)
+    return with_clearance(Robot(title, colliding, every, diagonal, notes))
 
 
 def _placed(mesh: Mesh, rotation: NDArray[np.float64], scale: float) -> Mesh:
@@ -143,7 +119,7 @@ def _joint(
     physics: Physics,
 ) -> RobotJoint:
     low, high = limits or (None, None)
-    constants = physics.damping, physics.friction, physics.effort, physics.velocity
+    constants = physics.damping or 0.0, physics.friction, physics.effort, physics.velocity
     return RobotJoint(name, kind, parent, child, axis, low, high, *constants)
 
 

@@ -21,7 +21,8 @@ from kinmo.core.shape import Mesh, Shape
 from kinmo.evaluation.simulation.expected_kinematics import expected_kinematics
 from kinmo.io.writers import ExportOptions, export, write_formats
 from kinmo.io.writers.usd_frames import axis_frame, principal_inertia, quaternion
-from kinmo.robot.robot_builder import Physics, build_robot
+from kinmo.robot.physics import Physics
+from kinmo.robot.robot_builder import build_robot
 
 UPS = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, 0.8))
 STATES = 100

@@ -1,0 +1,70 @@
+"""Physical constants of robots, and damping that keeps heavy parts from falling fast."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from kinmo.robot.inertia import DENSITY, joined
+from kinmo.robot.robot import RobotJoint, RobotJointKind, RobotLink
+
+GRAVITY = 9.81
+"""In m/s2, along -z."""
+MIN_DAMPING = 0.1
+"""Least damping, in N s/m or N m s/rad."""
+MAX_FALL = 0.5
+"""Speed that a part reaches at most when it falls by its weight, in m/s."""
+
+
+@dataclass(frozen=True)
+class Physics:
+    """Physical constants of a robot.
+
+    Attributes:
+        density: density of parts in kg/m3.
+        part_densities: other densities in kg/m3, by name of the part.
+        damping: damping of all joints in N s/m or N m s/rad. None for the least damping that keeps parts from falling fast.
+        friction: dry friction of joints in N or N m.
+        effort: largest force of a motor in N or N m.
+        velocity: largest speed in m/s or rad/s.
+    """
+
+    density: float = DENSITY
+    part_densities: Mapping[str, float] = field(default_factory=dict)
+    damping: float | None = None
+    friction: float = 0.0
+    effort: float = 100.0
+    velocity: float = 10.0
+
+    def density_of(self, part: str) -> float:
+        """Density of a part by its name, in kg/m3."""
+        return self.part_densities.get(part, self.density)
+
+
+def damped(joints: Sequence[RobotJoint], links: Sequence[RobotLink]) -> tuple[RobotJoint, ...]:
+    """Joints with the least damping at which no part falls faster than `MAX_FALL`. Joints that gravity does not move have little.
+
+    Args:
+        joints: The joints, each after that of its parent.
+        links: The links, in the frame of the robot.
+    """
+    carried: dict[int, list[int]] = {}
+    for joint in reversed(joints):
+        carried[joint.child] = [joint.child, *carried.get(joint.child, [])]
+        carried.setdefault(joint.parent, []).extend(carried[joint.child])
+    return tuple(replace(joint, damping=_damping(joint, [links[index] for index in carried[joint.child]])) for joint in joints)
+
+
+def _damping(joint: RobotJoint, moving: Sequence[RobotLink]) -> float:
+    origin = moving[0].origin
+    body = joined(link.inertial for link in moving)
+    weight = GRAVITY * body.mass
+    if joint.kind is RobotJointKind.PRISMATIC:
+        return max(MIN_DAMPING, weight * abs(float(joint.axis[2])) / MAX_FALL)
+    arm = float(np.linalg.norm(np.cross(joint.axis, body.center - origin)))
+    points = [visual.mesh.vertices for link in moving for visual in link.visuals]
+    reach = max((float(np.linalg.norm(np.cross(joint.axis, each - origin), axis=1).max()) for each in points), default=0.0)
+    moment = weight * arm * float(np.hypot(*joint.axis[:2]))  # the largest one while it turns
+    return max(MIN_DAMPING, moment * reach / MAX_FALL)

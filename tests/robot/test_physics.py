@@ -1,0 +1,64 @@
+"""Densities, and damping against gravity."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from articulated import shape_of_boxes
+
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.mobility import Body
+from kinmo.io.writers import ExportOptions, export
+from kinmo.robot.physics import MAX_FALL, MIN_DAMPING, Physics
+from kinmo.robot.robot import Robot
+from kinmo.robot.robot_builder import build_robot
+
+CARCASS = ((0.0, 0.0, 0.0), (1.0, 1.0, 0.5))
+LID = ((0.0, 1.1, 0.0), (1.0, 1.2, 0.5))
+X, Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+HINGE = Joint(JointKind.REVOLUTE, X, np.array([0.0, 1.1, 0.0]), -1.5, 1.5)
+
+
+def shape_with(joint: Joint):
+    """A carcass with a lid above it. Up is y."""
+    return shape_of_boxes([CARCASS, LID], [Body(0, "carcass", (1,)), Body(1, "lid", (2,), 0, joint)])
+
+
+def robot_with(joint: Joint, physics: Physics) -> Robot:
+    shape = shape_with(joint)
+    return build_robot(shape, shape.mobility, physics=physics)
+
+
+@pytest.mark.parametrize("joint", [HINGE, Joint(JointKind.PRISMATIC, Y, np.zeros(3), -0.05, 3.0)], ids=["hinge", "slider"])
+def test_parts_fall_slowly_in_mujoco(tmp_path, joint: Joint) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    shape = shape_with(joint)
+    path = export(shape, shape.mobility, tmp_path / "out", ["mjcf"], ExportOptions(collision="none", physics=Physics(density=900.0)))
+    model = mujoco.MjModel.from_xml_path(str(path["mjcf"]))
+    data = mujoco.MjData(model)
+    reach = 1.0 if joint.kind is JointKind.PRISMATIC else float(np.hypot(0.1, 0.5))
+    data.qpos[0] = 0.5 if joint.kind is JointKind.REVOLUTE else 3.0
+    speeds = []
+    for _ in range(400):
+        mujoco.mj_step(model, data)
+        speeds.append(abs(float(data.qvel[0])) * reach)
+    assert 0.1 * MAX_FALL < max(speeds) <= 1.01 * MAX_FALL
+
+
+def test_joints_that_gravity_does_not_move_have_little_damping() -> None:
+    upright = Joint(JointKind.REVOLUTE, Y, np.array([0.0, 0.0, 0.0]), 0.0, 1.5)
+    drawer = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0, 0.4)
+    for joint in (upright, drawer):
+        (found,) = robot_with(joint, Physics()).joints
+        assert found.damping == pytest.approx(MIN_DAMPING)
+
+
+def test_stated_damping_counts() -> None:
+    (found,) = robot_with(HINGE, Physics(damping=0.7)).joints
+    assert found.damping == 0.7
+
+
+def test_a_part_may_have_another_density() -> None:
+    light, heavy = (robot_with(HINGE, Physics(part_densities=densities)).links[1].inertial for densities in ({}, {"part 1": 700.0}))
+    assert heavy.mass == pytest.approx(7.0 * light.mass)
+    assert heavy.center == pytest.approx(light.center)
