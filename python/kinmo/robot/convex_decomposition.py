@@ -133,11 +133,11 @@ def concavity(piece: Mesh, hull: Mesh) -> float:
     return float(np.quantile(distances, 0.95))
 
 
-def simplest_shape(hull: Mesh) -> CollisionShape:
-    """The box of a hull if it fills it, else the hull, with at most `MAX_HULL_VERTICES` vertices."""
+def simplest_shape(hull: Mesh, fill: float = BOX_FILL) -> CollisionShape:
+    """The box of a hull that fills it to the share `fill`, else the hull, with at most `MAX_HULL_VERTICES` vertices."""
     center, axes, half = box_of(hull.vertices)
     volume = float(np.einsum("fx,fx->f", *_cross_and_corner(hull)).sum() / 6.0)
-    if volume >= BOX_FILL * 8.0 * float(np.prod(half)):
+    if volume >= fill * 8.0 * float(np.prod(half)):
         return Box(center, axes, half)
     return Hull(fewer_vertices(hull))
 
