@@ -8,9 +8,11 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -18,11 +20,12 @@ from numpy.typing import NDArray
 
 from kinmo.api.prediction import Prediction
 from kinmo.core.frames import y_up_rotation, z_up_rotation
-from kinmo.core.joint import KIND_WORDS, Joint
+from kinmo.core.joint import KIND_WORDS, Joint, JointKind
+from kinmo.core.kinematics import forward
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.overrides import FIXED
 from kinmo.core.references import NUMBER_SIGN, body_labels
-from kinmo.core.shape import Shape, bounds_of
+from kinmo.core.shape import Mesh, Shape, bounds_of
 from kinmo.core.shape_estimate import OVERRIDE, JointEstimate
 from kinmo.core.vector import Vector
 from kinmo.core.wording import clean_text, counted
@@ -32,13 +35,16 @@ from kinmo.robot.robot_builder import build_robot
 from kinmo.view.axis_words import joint_words
 from kinmo.view.body_colors import Color, body_colors
 
+OVERHANG = 0.07
+"""Length of an axis beyond its body, in diagonals of the object."""
+
 
 @dataclass(frozen=True, eq=False)
 class SceneOption:
     """One way in which a body may move.
 
     Attributes:
-        label: short text for people, such as "hinge, left side 0.82".
+        label: short text for people, such as "1. hinge, vertical, left edge 0.82", with the rank first. All of a body differ.
         joint: the joint in the frame of the scene. Its rest value is 0. None for a body that does not move.
         probability: score of the joint. None if nobody stated one.
         rank: rank among the predicted joints, as overrides.toml counts. None for a joint that was not predicted.
@@ -121,12 +127,60 @@ class ObjectScene:
 
     @cached_property
     def robot(self) -> Robot:
-        """The parts below one link for each group of bodies that move as one, as GLB has them."""
-        bodies = (
-            Body(index, body.name, body.leaves, body.parent, None if body.parent is None else self._file_joint(body))
-            for index, body in enumerate(self.bodies)
+        """The parts as GLB has them, below one link for each group of bodies that move as one."""
+        return build_robot(self.shape, self.mobility.rotated(self.rotation.T))
+
+    @cached_property
+    def meshes(self) -> dict[int, Mesh]:
+        """Meshes of the parts in the frame of the scene, in the pose of the file, by their indices in `Shape.parts`."""
+        return {leaf: self.shape.leaf_mesh(leaf).rotated(self.rotation) for body in self.bodies for leaf in body.leaves}
+
+    @cached_property
+    def bounds(self) -> tuple[Vector, Vector]:
+        """Smallest and largest corner [3] in the pose of the file."""
+        return bounds_of(self.meshes.values())
+
+    @property
+    def mobility(self) -> Mobility:
+        """The bodies with their present joints, in the frame of the scene."""
+        return Mobility(
+            tuple(
+                Body(index, body.name, body.leaves, body.parent, None if body.parent is None else body.joint)
+                for index, body in enumerate(self.bodies)
+            )
         )
-        return build_robot(self.shape, Mobility(tuple(bodies)))
+
+    def poses(self, values: Mapping[int, float]) -> NDArray[np.float64]:
+        """Poses [B, 4, 4] of all bodies, as transforms from the pose of the file.
+
+        Args:
+            values: Joint values in radians or lengths, by index of the body. A joint without a value stays at 0.
+        """
+        return forward(self.mobility, values)
+
+    def range_of(self, index: int) -> tuple[float, float]:
+        """Smallest and largest value of the joint of a body. A joint without limits gets a turn, or the object's radius."""
+        joint = self.bodies[index].joint
+        assert joint is not None, "only moving bodies have a range"
+        low, high = self.bounds
+        largest = math.pi if joint.kind is JointKind.REVOLUTE else 0.5 * float(np.linalg.norm(high - low))
+        return (-largest if joint.lower is None else joint.lower), (largest if joint.upper is None else joint.upper)
+
+    def axis_ends(self, index: int) -> NDArray[np.float64]:
+        """Begin and end [2, 3] of an arrow that shows the joint of a body, in the pose of the file.
+
+        It runs along the axis over the extent of the body. That of a slider runs through the middle of the body.
+        """
+        body, (low, high) = self.bodies[index], self.bounds
+        joint = body.joint
+        assert joint is not None, "only moving bodies have an axis"
+        first, last = bounds_of(self.meshes[leaf] for leaf in body.leaves) if body.leaves else (low, high)
+        through = joint.pivot if joint.has_pivot else 0.5 * (first + last)
+        corners = np.array(list(product(*zip(first, last, strict=True))))
+        along = (corners - through) @ joint.direction
+        overhang = OVERHANG * float(np.linalg.norm(high - low))
+        ends = np.array([along.min() - overhang, along.max() + overhang])
+        return np.asarray(through + ends[:, None] * joint.direction)
 
     def glb(self) -> bytes:
         """The geometry with its looks, as GLB."""
@@ -162,9 +216,6 @@ class ObjectScene:
         """`to_data` as JSON that may stand in a script element of a page."""
         return json.dumps(self.to_data(), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
-    def _file_joint(self, body: SceneBody) -> Joint | None:
-        return None if body.joint is None else body.joint.rotated(self.rotation.T)
-
 
 def scene_of(item: Prediction | Shape) -> ObjectScene:
     """The scene of a prediction, or of a shape with the joints of its annotation.
@@ -199,8 +250,7 @@ def _scene_of_prediction(prediction: Prediction) -> ObjectScene:
         is_plain = labels.get(body.id) == body.name
         keys.append((body.name if is_plain else f"{NUMBER_SIGN}{body.id}") if body.id in ranked else None)
     notes = () if estimate.correction is None else estimate.correction.notes
-    found = _scene(prediction.shape, estimate.mobility, options, chosen, keys, notes)
-    return replace(found, is_predicted=True)
+    return _scene(prediction.shape, estimate.mobility, options, chosen, keys, notes, True)
 
 
 def _option(estimate: JointEstimate, rank: int) -> SceneOption:
@@ -220,8 +270,10 @@ def _scene(
     chosen: Sequence[int],
     keys: Sequence[str | None],
     notes: Iterable[str],
+    is_predicted: bool = False,
 ) -> ObjectScene:
-    scene = ObjectScene(shape.id, _facts(shape, mobility), shape, (), (*notes, *shape.repairs, *shape.guesses.values()))
+    notes = (*notes, *shape.repairs, *(f"guessed: {guess}" for guess in shape.guesses.values()))
+    scene = ObjectScene(shape.id, _facts(shape, mobility), shape, (), notes, is_predicted)
     labels = body_labels({place: body.name for place, body in enumerate(mobility.bodies)})
     colors = body_colors([body.joint is not None for body in mobility.bodies])
     bodies = []
@@ -235,16 +287,17 @@ def _placed(option: SceneOption, scene: ObjectScene, body: Body) -> SceneOption:
     """An option with its joint in the frame of the scene and a label."""
     joint = option.joint
     score = "" if option.probability is None else f" {option.probability:.2f}"
+    rank = "" if option.rank is None else f"{option.rank}. "
     if joint is None:
-        return replace(option, label=f"{FIXED}{score}" if option.rank else f"{FIXED}, by hand")
+        return replace(option, label=f"{rank}{FIXED}{score}" if option.rank else f"{FIXED}, by hand")
     shape = scene.shape
     leaves = body.leaves or shape.leaves
     words = joint_words(joint, bounds_of(shape.leaf_mesh(leaf) for leaf in leaves), shape.up, shape.front)
     limits = (None if end is None else end - joint.rest for end in (joint.lower, joint.upper))
     lower, upper = limits
     placed = replace(joint.rotated(scene.rotation), lower=lower, upper=upper, rest=0.0)
-    hand = ", by hand" if option.rank is None and option.probability is None and scene.is_predicted else ""
-    return replace(option, joint=placed, label=f"{words}{hand}{score}")
+    hand = ", by hand" if option.rank is None and scene.is_predicted else ""
+    return replace(option, joint=placed, label=f"{rank}{words}{hand}{score}")
 
 
 def _option_data(option: SceneOption) -> dict[str, Any]:
