@@ -15,6 +15,7 @@ from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.io.atomic_files import write_folder_atomically
+from kinmo.io.writers.glb_writer import write_glb
 from kinmo.io.writers.joints_json_writer import write_joints_json
 from kinmo.io.writers.mjcf_writer import write_mjcf
 from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
@@ -24,6 +25,7 @@ from kinmo.io.writers.writer import ExportedObject, ExportOptions, Writer
 __all__ = ["WRITERS", "ExportOptions", "ExportedObject", "Writer", "check_formats", "export", "write_formats"]
 
 WRITERS: dict[str, Writer] = {
+    "glb": write_glb,
     "joints_json": write_joints_json,
     "mjcf": write_mjcf,
     "partnet_mobility": write_partnet_mobility,
