@@ -44,8 +44,9 @@ class JointPanels:
         buttons.on_click(lambda _: self.play() if buttons.value == "Play all" else self.reset())
         axes = gui.add_checkbox("Axes", True)
         axes.on_update(lambda _: page.set_axes(axes.value))
-        looks = gui.add_checkbox("Textures", False, hint="Materials of the file, where it has any")
-        looks.on_update(lambda _: page.set_looks(looks.value))
+        if page.scene.has_looks:
+            looks = gui.add_checkbox("Textures", False, hint="Materials of the file")
+            looks.on_update(lambda _: page.set_looks(looks.value))
         self._rows: dict[int, _JointRow] = {}
         shown = [index for index, body in enumerate(page.scene.bodies) if any(option.joint for option in body.options)]
         for index in shown:
@@ -110,8 +111,9 @@ class JointPanels:
         me, begin = threading.current_thread(), time.monotonic()
         while self._player is me and (now := time.monotonic() - begin) < SECONDS:
             share = 0.5 - 0.5 * math.cos(2.0 * math.pi * now / SECONDS)
-            for row in self._rows.values():
-                row.open(share)
+            for index, value in self.page.scene.opened(share).items():
+                if index in self._rows:
+                    self._rows[index].move(value)
             time.sleep(1.0 / FRAMES_PER_SECOND)
         if self._player is me:
             for row in self._rows.values():
@@ -134,7 +136,7 @@ class _JointRow:
         gui = panels.gui
         self.folder = gui.add_folder(_title(self.body), expand_by_default=is_open)
         with self.folder:
-            self.slider = gui.add_slider("position", 0.0, 1.0, 0.01, 0.0)
+            self.slider = gui.add_slider(self._label, 0.0, 1.0, 0.01, 0.0)
             self.slider.on_update(lambda _: self._moved())
             labels = [option.label for option in self.body.options]
             self.choice = gui.add_dropdown("joint", labels, initial_value=labels[self.body.chosen], hint="Ranked joints")
@@ -170,6 +172,10 @@ class _JointRow:
         return FIXED if self.body.joint is None else KIND_WORDS[self.body.joint.kind]
 
     @property
+    def _label(self) -> str:
+        return "angle (°)" if self._type == KIND_WORDS[JointKind.REVOLUTE] else f"slide ({self.page.scene.unit})"
+
+    @property
     def _factor(self) -> float:
         """Shown value of one radian or length."""
         joint = self.body.joint
@@ -183,7 +189,7 @@ class _JointRow:
         if tuple(self.choice.options) != labels:
             self.choice.options = labels
         self.choice.value = labels[body.chosen]
-        self.slider.disabled = body.joint is None
+        self.slider.label, self.slider.disabled = self._label, body.joint is None
         if body.joint is not None:
             lower, upper = (self._factor * end for end in self.page.scene.range_of(self.index))
             self.slider.min, self.slider.max, self.slider.step = lower, upper, (upper - lower) / STEPS
@@ -200,14 +206,6 @@ class _JointRow:
         """Move the joint to a value, in radians or lengths."""
         if self.body.joint is not None:
             self.slider.value = self._factor * value
-
-    def open(self, share: float) -> None:
-        """Move the joint to a share of its range."""
-        if self.body.joint is not None:
-            lower, upper = self.page.scene.range_of(self.index)
-            start = min(max(0.0, lower), upper)
-            far = upper if upper - start >= start - lower else lower
-            self.move(start + share * (far - start))
 
     def _moved(self) -> None:
         if not self.panels.is_filling and self.body.joint is not None:

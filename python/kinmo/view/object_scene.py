@@ -166,6 +166,19 @@ class ObjectScene:
         largest = math.pi if joint.kind is JointKind.REVOLUTE else 0.5 * float(np.linalg.norm(high - low))
         return (-largest if joint.lower is None else joint.lower), (largest if joint.upper is None else joint.upper)
 
+    def opened(self, share: float) -> dict[int, float]:
+        """Values of all joints at a share of the way from the pose of the file to their farther limit.
+
+        Joints without limits make a quarter of a turn, or move by a quarter of the object's size.
+        """
+        values = {}
+        for index, body in enumerate(self.bodies):
+            if body.joint is not None and body.parent is not None:
+                lower, upper = self.range_of(index)
+                lower, upper = (lower, upper) if body.joint.is_limited else (0.0, 0.5 * upper)
+                values[index] = share * (upper if abs(upper) >= abs(lower) else lower)
+        return values
+
     def axis_ends(self, index: int) -> NDArray[np.float64]:
         """Begin and end [2, 3] of an arrow that shows the joint of a body, in the pose of the file.
 
@@ -185,6 +198,17 @@ class ObjectScene:
     def glb(self) -> bytes:
         """The geometry with its looks, as GLB."""
         return glb_bytes(self.robot)
+
+    @cached_property
+    def has_looks(self) -> bool:
+        """True if the file gives a part a colour or a texture."""
+        glb = self.glb()
+        document = json.loads(glb[20 : 20 + int.from_bytes(glb[12:16], "little")])
+        surfaces = (material.get("pbrMetallicRoughness", {}) for material in document.get("materials", []))
+        primitives = (each for mesh in document.get("meshes", []) for each in mesh["primitives"])
+        return any("baseColorFactor" in each or "baseColorTexture" in each for each in surfaces) or any(
+            "COLOR_0" in each["attributes"] for each in primitives
+        )
 
     def to_data(self) -> dict[str, Any]:
         """The scene as plain data, for `object_viewer.js`. The GLB is compressed."""

@@ -12,17 +12,16 @@ from numpy.typing import NDArray
 
 from kinmo.api.prediction import Prediction
 from kinmo.core.errors import InputError
-from kinmo.core.shape import Mesh, Shape, join
+from kinmo.core.shape import Shape, join
 from kinmo.io.writers.glb_writer import glb_bytes
 from kinmo.robot.robot import Robot
 from kinmo.view.corrections import Corrections
 from kinmo.view.joint_panels import JointPanels
 from kinmo.view.object_scene import ObjectScene, scene_of
+from kinmo.view.smooth_surface import with_sharp_creases
 
 HOST, PORT = "127.0.0.1", 8080
 """Where the page is. Other machines cannot see it."""
-SMOOTH_ANGLE = 0.6
-"""Largest angle in radians between faces that are shaded as one round surface."""
 
 
 class ObjectServer:
@@ -124,7 +123,7 @@ class ObjectServer:
         scene.set_up_direction("+y")
         front = self.scene.front
         side = np.cross([0.0, 1.0, 0.0], front)
-        self.server.initial_camera.position = tuple(2.6 * front - 1.4 * side + np.array([0.0, 1.3, 0.0]))
+        self.server.initial_camera.position = tuple(1.9 * front - 1.0 * side + np.array([0.0, 0.9, 0.0]))
         self.server.initial_camera.look_at = (0.0, 0.0, 0.0)
         self.server.initial_camera.up = (0.0, 1.0, 0.0)
         scene.add_light_hemisphere("/light", sky_color=(255, 255, 255), ground_color=(150, 150, 150), intensity=1.2)
@@ -135,7 +134,7 @@ class ObjectServer:
             self._arrows.append(self._arrow(index))
             if not body.leaves:
                 continue
-            vertices, faces = _smooth(join(*(self.scene.meshes[leaf] for leaf in body.leaves)))
+            vertices, faces = with_sharp_creases(join(*(self.scene.meshes[leaf] for leaf in body.leaves)))
             color = tuple(round(255 * each) for each in body.color)
             nodes.append(
                 scene.add_mesh_simple(f"/colors/{index}", self._scale * vertices, faces, color=color, side="double")
@@ -163,18 +162,8 @@ def _viser() -> ModuleType:
     try:
         import viser
     except ImportError:
-        raise InputError("viser", "is not installed: pip install 'kinmo[view]', or write a page with --html FILE") from None
-    return viser
-
-
-def _smooth(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices and faces in which sharp edges have vertices of their own, so that only round surfaces are shaded as round."""
-    import trimesh
-
-    whole = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-    whole.merge_vertices()
-    smooth = trimesh.graph.smooth_shade(whole, angle=SMOOTH_ANGLE)
-    return np.asarray(smooth.vertices, float), np.asarray(smooth.faces)
+        raise InputError("viser", "is not installed: pip install 'kinmo[view]'") from None
+    return viser  # type: ignore[no-any-return]
 
 
 def _quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
