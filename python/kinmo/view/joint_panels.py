@@ -47,14 +47,14 @@ class JointPanels:
         if page.scene.has_looks:
             looks = gui.add_checkbox("Textures", False, hint="Materials of the file")
             looks.on_update(lambda _: page.set_looks(looks.value))
-        self._rows: dict[int, _JointRow] = {}
+        self.rows: dict[int, JointRow] = {}
         shown = [index for index, body in enumerate(page.scene.bodies) if any(option.joint for option in body.options)]
         for index in shown:
-            self._rows[index] = _JointRow(self, index, is_open=len(shown) <= MAX_OPEN)
+            self.rows[index] = JointRow(self, index, is_open=len(shown) <= MAX_OPEN)
         if page.corrections is not None:
             can_save = page.corrections.folder is not None
             save = gui.add_button("Save corrections", disabled=not can_save, hint="Writes overrides.toml beside joints.json")
-            save.on_click(lambda _: self.attempt(self._save))
+            save.on_click(lambda _: self.attempt(self.save))
         self.status = gui.add_markdown("")
         if page.scene.notes:
             with gui.add_folder("Notes", expand_by_default=False):
@@ -88,7 +88,7 @@ class JointPanels:
         """Show the present state in all controls."""
         self._is_filling = True
         try:
-            for row in self._rows.values():
+            for row in self.rows.values():
                 row.fill()
         finally:
             self._is_filling = False
@@ -96,7 +96,7 @@ class JointPanels:
     def reset(self) -> None:
         """Move all joints to the pose of the file."""
         self._player = None
-        for row in self._rows.values():
+        for row in self.rows.values():
             row.move(0.0)
 
     def play(self) -> None:
@@ -112,14 +112,15 @@ class JointPanels:
         while self._player is me and (now := time.monotonic() - begin) < SECONDS:
             share = 0.5 - 0.5 * math.cos(2.0 * math.pi * now / SECONDS)
             for index, value in self.page.scene.opened(share).items():
-                if index in self._rows:
-                    self._rows[index].move(value)
+                if index in self.rows:
+                    self.rows[index].move(value)
             time.sleep(1.0 / FRAMES_PER_SECOND)
         if self._player is me:
-            for row in self._rows.values():
+            for row in self.rows.values():
                 row.move(0.0)
 
-    def _save(self) -> str:
+    def save(self) -> str:
+        """Write overrides.toml. Returns a line about it."""
         assert self.page.corrections is not None
         return _escaped(self.page.corrections.save())
 
@@ -128,7 +129,7 @@ class JointPanels:
         return self._is_filling
 
 
-class _JointRow:
+class JointRow:
     """The controls of one joint."""
 
     def __init__(self, panels: JointPanels, index: int, *, is_open: bool) -> None:
@@ -140,7 +141,7 @@ class _JointRow:
             self.slider.on_update(lambda _: self._moved())
             labels = [option.label for option in self.body.options]
             self.choice = gui.add_dropdown("joint", labels, initial_value=labels[self.body.chosen], hint="Ranked joints")
-            self.choice.on_update(lambda _: self._chosen())
+            self.choice.on_update(lambda _: self.chosen())
             if self.body.key is not None and self.page.corrections is not None:
                 self._add_corrections()
         panels_filling = panels.is_filling
@@ -159,9 +160,9 @@ class _JointRow:
             apply = gui.add_button("Apply name, type and range")
             flip = gui.add_button("Open the other way")
             reset = gui.add_button("As predicted")
-        apply.on_click(lambda _: correct(self._apply))
+        apply.on_click(lambda _: correct(self.apply))
         flip.on_click(lambda _: correct(lambda: corrections.flip(key)))
-        reset.on_click(lambda _: correct(lambda: corrections.reset(key)))
+        reset.on_click(lambda _: correct(self.reset))
 
     @property
     def body(self) -> SceneBody:
@@ -207,11 +208,17 @@ class _JointRow:
         if self.body.joint is not None:
             self.slider.value = self._factor * value
 
+    def reset(self) -> None:
+        """Take back all corrections of the body."""
+        if self.page.corrections is not None:
+            self.page.corrections.reset(str(self.body.key))
+
     def _moved(self) -> None:
         if not self.panels.is_filling and self.body.joint is not None:
             self.page.set_value(self.index, float(self.slider.value) / self._factor)
 
-    def _chosen(self) -> None:
+    def chosen(self) -> None:
+        """Take the joint that the menu shows."""
         if self.panels.is_filling:
             return
         option = next(each for each in self.body.options if each.label == self.choice.value)
@@ -219,7 +226,8 @@ class _JointRow:
         if key is not None and corrections is not None and rank is not None:
             self.panels.correct(lambda: corrections.choose(key, rank))
 
-    def _apply(self) -> None:
+    def apply(self) -> None:
+        """Take the name, the type and the range of the fields."""
         corrections, key = self.page.corrections, str(self.body.key)
         assert corrections is not None
         if self.type.value != self._type:

@@ -263,7 +263,8 @@ def _scene_of_prediction(prediction: Prediction) -> ObjectScene:
     estimate = prediction.estimate
     before = estimate.predicted
     ranked = {body.id: ranks for body, ranks in zip(before.mobility.bodies, before.estimates, strict=True)}
-    labels = body_labels({body.id: body.name for body in before.mobility.bodies})
+    names = {body.id: body.name for body in before.mobility.bodies}
+    clear = {number for number, label in body_labels(names).items() if label == names[number]}
     options, chosen, keys = [], [], []
     for body, estimates in zip(estimate.mobility.bodies, estimate.estimates, strict=True):
         own = [_option(each, rank) for rank, each in enumerate(ranked.get(body.id, ()), 1)]
@@ -271,8 +272,7 @@ def _scene_of_prediction(prediction: Prediction) -> ObjectScene:
             own.insert(0, SceneOption("", body.joint, None))
         options.append(tuple(own))
         chosen.append(_place_of(body, own))
-        is_plain = labels.get(body.id) == body.name
-        keys.append((body.name if is_plain else f"{NUMBER_SIGN}{body.id}") if body.id in ranked else None)
+        keys.append(None if body.id not in names else names[body.id] if body.id in clear else f"{NUMBER_SIGN}{body.id}")
     notes = () if estimate.correction is None else estimate.correction.notes
     return _scene(prediction.shape, estimate.mobility, options, chosen, keys, notes, True)
 

@@ -39,6 +39,7 @@ class ObjectServer:
     Attributes:
         url: Address of the page.
         scene: The object as it is shown.
+        nodes: Nodes of viser for each body, in its colour and as it looks.
 
     Example:
         >>> server = ObjectServer(prediction)
@@ -61,11 +62,16 @@ class ObjectServer:
         self.server = viser.ViserServer(host=host, port=port, label=f"kinmo: {self.scene.name}", verbose=False)
         shown = "127.0.0.1" if host in ("0.0.0.0", "::") else host
         self.url = f"http://{shown}:{self.server.get_port()}"
-        self._bodies: list[list[Any]] = []
+        self.nodes: list[list[Any]] = []
         self._arrows: list[Any] = []
         self._build_scene()
         self.panels = JointPanels(self)
         self.show()
+
+    @property
+    def placement(self) -> tuple[float, NDArray[np.float64]]:
+        """Scale and offset [3] from the frame of the scene to that of the page, where every object has the same size."""
+        return self._scale, self._offset
 
     def stop(self) -> None:
         """End the page."""
@@ -76,7 +82,7 @@ class ObjectServer:
         with self._lock, self.server.atomic():
             poses = self.scene.poses(self.values)
             for index, body in enumerate(self.scene.bodies):
-                for node in self._bodies[index]:
+                for node in self.nodes[index]:
                     self._place(node, poses[index])
                 if self._arrows[index] is not None:
                     self._place(self._arrows[index], np.eye(4) if body.parent is None else poses[body.parent])
@@ -103,7 +109,7 @@ class ObjectServer:
     def set_looks(self, has_looks: bool) -> None:
         """Show the materials of the file, or the colours of the bodies."""
         with self._lock, self.server.atomic():
-            for colored, *looks in self._bodies:
+            for colored, *looks in self.nodes:
                 colored.visible = not has_looks or not looks
                 for node in looks:
                     node.visible = has_looks
@@ -130,7 +136,7 @@ class ObjectServer:
         links = {visual.leaf: (link, visual) for link in self.scene.robot.links for visual in link.visuals}
         for index, body in enumerate(self.scene.bodies):
             nodes: list[Any] = []
-            self._bodies.append(nodes)
+            self.nodes.append(nodes)
             self._arrows.append(self._arrow(index))
             if not body.leaves:
                 continue
