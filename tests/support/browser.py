@@ -22,7 +22,13 @@ needs_browser = pytest.mark.skipif(BROWSER is None, reason="no chromium on this 
 needs_driven_browser = pytest.mark.skipif(
     BROWSER is None or find_spec("playwright") is None, reason="no chromium on this machine, or no playwright to drive it"
 )
-SOFTWARE_3D = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+SOFTWARE_3D = (
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+)
 """Options of a browser that draws WebGL without a graphics card."""
 READY = "[data-state=ready]"
 """A viewer that has drawn its object."""

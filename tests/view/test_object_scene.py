@@ -15,7 +15,9 @@ from cabinet_results import cabinet_prediction
 from predicted_cabinet import PIECES
 
 import kinmo
-from kinmo.view.object_scene import ObjectScene, scene_of
+from kinmo.view.object_scene import ObjectScene
+from kinmo.view.scene_building import scene_of
+from kinmo.view.scene_data import scene_json
 
 
 @pytest.fixture
@@ -91,7 +93,7 @@ def test_an_axis_runs_along_its_joint_through_its_body(prediction: kinmo.Predict
 
 def test_the_geometry_of_the_data_is_that_of_the_parts(prediction: kinmo.Prediction, tmp_path: Path) -> None:
     scene = scene_of(prediction)
-    data = json.loads(scene.to_json())
+    data = json.loads(scene_json(scene))
     (tmp_path / "scene.glb").write_bytes(gzip.decompress(base64.b64decode(data["glb"])))
     found = trimesh.load_scene(tmp_path / "scene.glb")
     places = {
@@ -107,7 +109,7 @@ def test_the_geometry_of_the_data_is_that_of_the_parts(prediction: kinmo.Predict
 
 def test_text_of_a_file_cannot_end_the_script_of_a_page(tmp_path: Path) -> None:
     names = ("</script><script>alert(1)</script>", *tuple(PIECES)[1:])
-    text = scene_of(cabinet_prediction(tmp_path, names)).to_json()
+    text = scene_json(scene_of(cabinet_prediction(tmp_path, names)))
     assert "<" not in text and "alert(1)" in text
 
 

@@ -10,7 +10,9 @@ import pytest
 from browser import READY, OpenPage, needs_driven_browser, open_page
 from cabinet_results import cabinet_prediction
 
-from kinmo.view.object_scene import ObjectScene, scene_of
+from kinmo.view.object_scene import ObjectScene
+from kinmo.view.scene_building import scene_of
+from kinmo.view.scene_data import scene_json
 from kinmo.view.static_page import static_page, write_static_page
 
 WIDTHS = [1280, 390]
@@ -38,12 +40,12 @@ def move(shown: OpenPage, name: str, end: str) -> None:
 
 def test_a_page_names_no_other_file(scene: ObjectScene) -> None:
     html = static_page([scene])
-    for word in ("http://", "https://", "<link rel=\"stylesheet", "src=", "import("):
+    for word in ("http://", "https://", '<link rel="stylesheet', "src=", "import("):
         assert word not in html
 
 
 def test_objects_that_do_not_fit_are_named(scene: ObjectScene) -> None:
-    html = static_page([scene, scene, scene], most=len(scene.to_json()) + 1)
+    html = static_page([scene, scene, scene], most=len(scene_json(scene)) + 1)
     assert html.count('type="application/json"') == 1
     assert "Left out, as the page would be too large: 2 objects (cabinet, cabinet)." in html
     assert "Left out" not in static_page([scene, scene])
@@ -53,6 +55,7 @@ def test_objects_that_do_not_fit_are_named(scene: ObjectScene) -> None:
 def test_a_slider_moves_its_part_and_back(shown: OpenPage) -> None:
     shown.page.evaluate("document.activeElement.blur(); window.scrollTo(0, 0)")
     canvas = shown.page.locator("canvas")
+
     def picture() -> np.ndarray:
         shown.page.evaluate("document.activeElement.blur(); window.scrollTo(0, 0)")
         shown.page.mouse.move(1, 1)

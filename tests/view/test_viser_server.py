@@ -46,8 +46,8 @@ def test_nodes_are_where_the_prediction_has_the_links(server: ObjectServer) -> N
     scale, offset = server.placement
     for index, nodes in enumerate(server.nodes):
         for node in nodes:
-            w, x, y, z = node.wxyz
-            assert 2.0 * math.acos(min(1.0, abs(w))) == pytest.approx(0.5 if index in (DOOR, KNOB) else 0.0, abs=1e-6)
+            real = abs(float(node.wxyz[0]))
+            assert 2.0 * math.acos(min(1.0, real)) == pytest.approx(0.5 if index in (DOOR, KNOB) else 0.0, abs=1e-6)
             np.testing.assert_allclose(node.position, scale * poses[index, :3, 3] + offset, atol=1e-9)
 
 
@@ -56,7 +56,7 @@ def test_another_joint_changes_slider_title_and_file(server: ObjectServer, resul
     assert controls.folder.label == "door: hinge, 40%, uncertain"
     controls.choice.value = controls.choice.options[2]
     controls.chosen()
-    assert controls.folder.label == "door: slider, 20%, uncertain" or controls.folder.label == "door: slider, by hand"
+    assert controls.folder.label == "door: slider, by hand"
     assert controls.slider.max == pytest.approx(0.2) and "slide" in controls.slider.label
     assert not (result / OVERRIDES_FILE).exists()
     server.panels.attempt(server.panels.save)
@@ -122,7 +122,7 @@ def test_a_slider_moves_its_part_and_back_in_a_browser(width: int, server: Objec
         shown.page.wait_for_selector("canvas")
         shown.page.wait_for_timeout(2000)
         slider = shown.page.get_by_role("slider").first
-        slider.scroll_into_view_if_needed()
+        slider.evaluate("e => e.scrollIntoView()")
         box = slider.bounding_box()
         assert box["x"] >= 0 and box["x"] + box["width"] <= width
         assert not shown.scrolls_sideways()

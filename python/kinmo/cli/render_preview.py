@@ -41,6 +41,4 @@ def render_preview(
     """
     from kinmo.view.preview_files import RenderPreview
 
-    execute(
-        options, RenderPreview(path, out, source, size, poses, opening, before, not no_axes, transparent)
-    )
+    execute(options, RenderPreview(path, out, source, size, poses, opening, before, not no_axes, transparent))

@@ -28,11 +28,11 @@ def view(
         Path | None, Option(help="File or folder of the shape, if it is in another place than before.", show_default=False)
     ] = None,
 ) -> None:
-    """Look at an object in a browser, and move its joints.
+    r"""Look at an object in a browser, and move its joints.
 
     The page has a slider for each joint, its axis, its ranked alternatives and their probabilities. For a result of kinmo
     predict, corrections can be saved to overrides.toml; kinmo export then writes the other files again. Needs viser
-    (pip install 'kinmo\\[view]'). Ctrl-C ends it.
+    (pip install 'kinmo\[view]'). Ctrl-C ends it.
 
     With --html, the page is one file that works offline, without viser. A folder of results gives one page of all.
 

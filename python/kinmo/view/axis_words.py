@@ -17,9 +17,7 @@ OBLIQUE = 0.9
 """Least cosine of the angle between an axis and the direction that names it."""
 
 
-def joint_words(
-    joint: Joint, bounds: tuple[Vector, Vector], up: Sequence[float], front: Sequence[float] | None
-) -> str:
+def joint_words(joint: Joint, bounds: tuple[Vector, Vector], up: Sequence[float], front: Sequence[float] | None) -> str:
     """Kind and place of a joint in a few words.
 
     Args:
@@ -29,7 +27,8 @@ def joint_words(
         front: Unit vector [3] towards the viewer. None if it is unknown.
 
     Returns:
-        Such as "hinge, vertical, left edge", "slider, to the front" or "screw, vertical". Left and right are those of the viewer.
+        Such as "hinge, vertical, left edge", "slider, to the front" or "screw, vertical, centre". Left and right are
+        those of the viewer.
     """
     sides = _sides(np.asarray(up, float), None if front is None else np.asarray(front, float))
     kind, axis = KIND_WORDS[joint.kind], joint.direction

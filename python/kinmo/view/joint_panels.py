@@ -6,13 +6,14 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kinmo.core.errors import KinmoError
 from kinmo.core.joint import KIND_WORDS, JointKind
 from kinmo.core.overrides import FIXED, TYPES
 from kinmo.pipeline.joint_lines import UNCERTAIN
-from kinmo.view.object_scene import SceneBody, scene_of
+from kinmo.view.object_scene import SceneBody
+from kinmo.view.scene_building import scene_of
 
 if TYPE_CHECKING:
     from kinmo.view.viser_server import ObjectServer
@@ -245,10 +246,8 @@ def _title(body: SceneBody) -> str:
     """Name, kind and probability of a joint."""
     option, joint = body.option, body.joint
     kind = FIXED if joint is None else KIND_WORDS[joint.kind]
-    if option is None or (option.probability is None and option.rank is None):
-        return f"{body.name}: {kind}"
-    if option.probability is None:
-        return f"{body.name}: {kind}, by hand"
+    if option is None or option.probability is None:
+        return f"{body.name}: {kind}{', by hand' if option is not None and option.is_by_hand else ''}"
     doubt = ", uncertain" if option.probability < UNCERTAIN else ""
     return f"{body.name}: {kind}, {option.probability:.0%}{doubt}"
 

@@ -5,35 +5,26 @@ The frame is that of GLB files: y up, in the length unit of the shape. The value
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.api.prediction import Prediction
 from kinmo.core.frames import y_up_rotation, z_up_rotation
-from kinmo.core.joint import KIND_WORDS, Joint, JointKind
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
 from kinmo.core.mobility import Body, Mobility
-from kinmo.core.overrides import FIXED
-from kinmo.core.references import NUMBER_SIGN, body_labels
 from kinmo.core.shape import Mesh, Shape, bounds_of
-from kinmo.core.shape_estimate import OVERRIDE, JointEstimate
 from kinmo.core.vector import Vector
-from kinmo.core.wording import clean_text, counted
 from kinmo.io.writers.glb_writer import FROM_ROBOT, glb_bytes
 from kinmo.robot.robot import Robot
 from kinmo.robot.robot_builder import build_robot
-from kinmo.view.axis_words import joint_words
-from kinmo.view.body_colors import Color, body_colors
+from kinmo.view.body_colors import Color
 
 OVERHANG = 0.07
 """Length of an axis beyond its body, in diagonals of the object."""
@@ -48,12 +39,14 @@ class SceneOption:
         joint: the joint in the frame of the scene. Its rest value is 0. None for a body that does not move.
         probability: score of the joint. None if nobody stated one.
         rank: rank among the predicted joints, as overrides.toml counts. None for a joint that was not predicted.
+        is_by_hand: True if a person corrected it.
     """
 
     label: str
     joint: Joint | None
     probability: float | None = None
     rank: int | None = None
+    is_by_hand: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +92,6 @@ class ObjectScene:
         shape: the shape, in its own frame.
         bodies: its bodies.
         notes: repairs and guesses of the reader, and consequences of corrections.
-        is_predicted: True if the joints were predicted. Others are those of the file.
     """
 
     name: str
@@ -107,7 +99,6 @@ class ObjectScene:
     shape: Shape
     bodies: tuple[SceneBody, ...]
     notes: tuple[str, ...] = ()
-    is_predicted: bool = False
 
     @property
     def rotation(self) -> NDArray[np.float64]:
@@ -209,138 +200,3 @@ class ObjectScene:
         return any("baseColorFactor" in each or "baseColorTexture" in each for each in surfaces) or any(
             "COLOR_0" in each["attributes"] for each in primitives
         )
-
-    def to_data(self) -> dict[str, Any]:
-        """The scene as plain data, for `object_viewer.js`. The GLB is compressed."""
-        nodes = {visual.leaf: visual.name for link in self.robot.links for visual in link.visuals}
-        parts = self.shape.parts
-        packed = gzip.compress(self.glb(), mtime=0)
-        return {
-            "name": clean_text(self.name),
-            "facts": self.facts,
-            "notes": [clean_text(note) for note in self.notes],
-            "unit": self.unit,
-            "front": self.front.tolist(),
-            "bodies": [
-                {
-                    "name": body.name,
-                    "key": body.key,
-                    "parent": body.parent,
-                    "color": list(body.color),
-                    "parts": [{"name": clean_text(parts[i].name) or nodes[i], "node": nodes[i]} for i in body.leaves],
-                    "options": [_option_data(option) for option in body.options],
-                    "chosen": body.chosen,
-                }
-                for body in self.bodies
-            ],
-            "glb": base64.b64encode(packed).decode("ascii"),
-        }
-
-    def to_json(self) -> str:
-        """`to_data` as JSON that may stand in a script element of a page."""
-        return json.dumps(self.to_data(), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-
-
-def scene_of(item: Prediction | Shape) -> ObjectScene:
-    """The scene of a prediction, or of a shape with the joints of its annotation.
-
-    Args:
-        item: The prediction or the shape.
-
-    Returns:
-        The scene. Angles are in radians and lengths in the unit of the shape.
-    """
-    return _scene_of_shape(item) if isinstance(item, Shape) else _scene_of_prediction(item)
-
-
-def _scene_of_shape(shape: Shape) -> ObjectScene:
-    mobility = shape.mobility or Mobility((Body(0, "object", shape.leaves),))
-    options = [(SceneOption("", body.joint),) if body.joint is not None else () for body in mobility.bodies]
-    return _scene(shape, mobility, options, [0] * len(options), [None] * len(options), ())
-
-
-def _scene_of_prediction(prediction: Prediction) -> ObjectScene:
-    estimate = prediction.estimate
-    before = estimate.predicted
-    ranked = {body.id: ranks for body, ranks in zip(before.mobility.bodies, before.estimates, strict=True)}
-    names = {body.id: body.name for body in before.mobility.bodies}
-    clear = {number for number, label in body_labels(names).items() if label == names[number]}
-    options, chosen, keys = [], [], []
-    for body, estimates in zip(estimate.mobility.bodies, estimate.estimates, strict=True):
-        own = [_option(each, rank) for rank, each in enumerate(ranked.get(body.id, ()), 1)]
-        if estimates and estimates[0].source == OVERRIDE:
-            own.insert(0, SceneOption("", body.joint, None))
-        options.append(tuple(own))
-        chosen.append(_place_of(body, own))
-        keys.append(None if body.id not in names else names[body.id] if body.id in clear else f"{NUMBER_SIGN}{body.id}")
-    notes = () if estimate.correction is None else estimate.correction.notes
-    return _scene(prediction.shape, estimate.mobility, options, chosen, keys, notes, True)
-
-
-def _option(estimate: JointEstimate, rank: int) -> SceneOption:
-    return SceneOption("", estimate.joint, estimate.score, rank)
-
-
-def _place_of(body: Body, options: Sequence[SceneOption]) -> int:
-    """Index of the option that is the present joint of a body: the first one that moves as it does."""
-    same = (place for place, option in enumerate(options) if (option.joint is None) == (body.joint is None))
-    return next(same, 0)
-
-
-def _scene(
-    shape: Shape,
-    mobility: Mobility,
-    options: Sequence[tuple[SceneOption, ...]],
-    chosen: Sequence[int],
-    keys: Sequence[str | None],
-    notes: Iterable[str],
-    is_predicted: bool = False,
-) -> ObjectScene:
-    notes = (*notes, *shape.repairs, *(f"guessed: {guess}" for guess in shape.guesses.values()))
-    scene = ObjectScene(shape.id, _facts(shape, mobility), shape, (), notes, is_predicted)
-    labels = body_labels({place: body.name for place, body in enumerate(mobility.bodies)})
-    colors = body_colors([body.joint is not None for body in mobility.bodies])
-    bodies = []
-    for index, body in enumerate(mobility.bodies):
-        own = tuple(_placed(option, scene, body) for option in options[index])
-        bodies.append(SceneBody(labels[index], body.parent, body.leaves, colors[index], own, chosen[index], keys[index]))
-    return replace(scene, bodies=tuple(bodies))
-
-
-def _placed(option: SceneOption, scene: ObjectScene, body: Body) -> SceneOption:
-    """An option with its joint in the frame of the scene and a label."""
-    joint = option.joint
-    score = "" if option.probability is None else f" {option.probability:.2f}"
-    rank = "" if option.rank is None else f"{option.rank}. "
-    if joint is None:
-        return replace(option, label=f"{rank}{FIXED}{score}" if option.rank else f"{FIXED}, by hand")
-    shape = scene.shape
-    leaves = body.leaves or shape.leaves
-    words = joint_words(joint, bounds_of(shape.leaf_mesh(leaf) for leaf in leaves), shape.up, shape.front)
-    limits = (None if end is None else end - joint.rest for end in (joint.lower, joint.upper))
-    lower, upper = limits
-    placed = replace(joint.rotated(scene.rotation), lower=lower, upper=upper, rest=0.0)
-    hand = ", by hand" if option.rank is None and scene.is_predicted else ""
-    return replace(option, joint=placed, label=f"{rank}{words}{hand}{score}")
-
-
-def _option_data(option: SceneOption) -> dict[str, Any]:
-    joint = option.joint
-    facts = {"label": option.label, "probability": option.probability, "rank": option.rank}
-    if joint is None:
-        return {**facts, "kind": None}
-    return {
-        **facts,
-        "kind": KIND_WORDS[joint.kind],
-        "axis": joint.direction.tolist(),
-        "pivot": joint.pivot.tolist(),
-        "lower": joint.lower,
-        "upper": joint.upper,
-    }
-
-
-def _facts(shape: Shape, mobility: Mobility) -> str:
-    joints = sum(body.joint is not None for body in mobility.bodies)
-    category = clean_text(shape.category)
-    counts = [counted(len(shape.leaves), "part"), counted(joints, "joint")]
-    return ", ".join([*([category] if category else []), *counts])

@@ -221,6 +221,7 @@ const kinmoViewer = (() => {
       const show = (mesh, kind, model, color) => { gl.uniformMatrix4fv(uniforms.model, false, model); gl.uniform4fv(uniforms.color, color); gl.bindVertexArray(mesh.array); gl.drawArrays(kind, 0, mesh.count); };
       set("lit", 1); set("nearer", 0);
       bodies.forEach((body, index) => { const glow = index === state.focus ? 0.25 : 0;
+        set("nearer", body.option?.kind ? 0.00005 : 0); // of surfaces in one place, that of the moving body is seen
         for (const mesh of body.draws) {
           set("looks", state.look ? 1 : 0); set("textured", state.look && mesh.texture ? 1 : 0); gl.bindTexture(gl.TEXTURE_2D, mesh.texture);
           const base = state.look ? mesh.factor : [...body.color, 1];
@@ -271,8 +272,8 @@ const kinmoViewer = (() => {
       row.button.disabled = !moves;
       row.fact.textContent = moves ? `${body.option.kind}, ${body.option.lower === null ? "without limits" : `${number(body.option, from)} to ${shown(body.option, to)}`}` : "does not move";
       const p = body.option.probability;
-      row.badge.textContent = body.option.isCorrected ? "by hand" : p === null ? "" : `${Math.round(100 * p)} %`;
-      row.badge.classList.toggle("kv-low", p !== null && p < LOW && !body.option.isCorrected);
+      row.badge.textContent = body.option.byHand ? "by hand" : p === null ? "" : `${Math.round(100 * p)} %`;
+      row.badge.classList.toggle("kv-low", p !== null && p < LOW && !body.option.byHand);
       row.badge.title = row.badge.classList.contains("kv-low") ? "uncertain" : "probability";
       if (row.badge.classList.contains("kv-low")) row.badge.textContent += " uncertain";
       body.value = 0;

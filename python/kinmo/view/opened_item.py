@@ -13,7 +13,8 @@ from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.pipeline.export_results import find_results
 from kinmo.view.corrections import Corrections
-from kinmo.view.object_scene import ObjectScene, scene_of
+from kinmo.view.object_scene import ObjectScene
+from kinmo.view.scene_building import scene_of
 
 MAX_LISTED = 5
 """Largest number of results that a message lists."""

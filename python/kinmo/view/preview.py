@@ -57,7 +57,7 @@ class Preview:
         style: What its pictures look like.
     """
 
-    def __init__(self, scene: ObjectScene, style: PreviewStyle = PreviewStyle()) -> None:  # noqa: B008 (frozen)
+    def __init__(self, scene: ObjectScene, style: PreviewStyle = PreviewStyle()) -> None:
         self.scene, self.style = scene, style
         self._owners = [(index, leaf) for index, body in enumerate(scene.bodies) for leaf in body.leaves]
         self._surfaces = SurfaceRaster([scene.meshes[leaf] for _, leaf in self._owners])
@@ -72,7 +72,7 @@ class Preview:
             poses: Joint values by index of the body, for each pose.
             begins_grey: True to begin with the object at rest in grey, without axes.
         """
-        shown = [({}, True)] * begins_grey + [(pose, False) for pose in poses]
+        shown: list[tuple[Mapping[int, float], bool]] = [({}, True)] * begins_grey + [(pose, False) for pose in poses]
         camera = self._camera([pose for pose, _ in shown])
         images = [self._draw(pose, camera, is_grey=is_grey) for pose, is_grey in shown]
         low, high = _content(images)
@@ -110,9 +110,14 @@ class Preview:
                 found.append(vertices @ moved[index, :3, :3].T + moved[index, :3, 3])
             if self.style.has_axes:
                 for index in self._moving:
-                    above = moved[self.scene.bodies[index].parent]
+                    above = moved[self._parent(index)]
                     found.append(self.scene.axis_ends(index) @ above[:3, :3].T + above[:3, 3])
         return np.concatenate(found)
+
+    def _parent(self, index: int) -> int:
+        parent = self.scene.bodies[index].parent
+        assert parent is not None, "moving bodies have a parent"
+        return parent
 
     def _camera(self, poses: Sequence[Mapping[int, float]]) -> Camera:
         return self._camera_at(self._corners(poses), SIDE)
@@ -123,11 +128,12 @@ class Preview:
     def _draw(self, pose: Mapping[int, float], camera: Camera, *, is_grey: bool = False) -> Image.Image:
         moved = self.scene.poses(pose)
         own = moved[[index for index, _ in self._owners]]
-        seen = self._surfaces.render(camera, own, self.style.samples)
+        ranks = [index + 1 if index in self._moving else 0 for index, _ in self._owners]
+        seen = self._surfaces.render(camera, own, self.style.samples, ranks)
         colors = np.array([RESTING if is_grey else self.scene.bodies[index].color for index, _ in self._owners])
         image = lit(seen, colors, [index for index, _ in self._owners])
         if self._moving and self.style.has_axes and not is_grey:
-            above = moved[[self.scene.bodies[index].parent for index in self._moving]]
+            above = moved[[self._parent(index) for index in self._moving]]
             tones = AXIS_SHADE * np.array([self.scene.bodies[index].color for index in self._moving])
             image = with_axes(image, seen, self._axes.render(camera, above, self.style.samples), tones)
         picture = Image.fromarray(pixels(image, self.style.samples))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from kinmo.core.errors import InputError
 from kinmo.dataset.stage import Observer, Outcome, Plan
@@ -88,7 +89,7 @@ class RenderPreview:
             observer.progress("drawing", done, FRAMES)
         # one palette for all frames, so that colours do not flicker
         palette = frames[len(frames) // 2].quantize(255)
-        first, *others = (frame.quantize(palette=palette, dither=0) for frame in frames)
+        first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
         buffer = io.BytesIO()
         first.save(buffer, format="gif", save_all=True, append_images=others, duration=FRAME_TIME, loop=0, optimize=True)
         return buffer.getvalue()

@@ -36,7 +36,7 @@ def corner_normals(mesh: Mesh) -> NDArray[np.float64]:
     normals = np.empty_like(sums)
     normals[order] = sums
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-    return normals.reshape(-1, 3, 3)
+    return np.asarray(normals.reshape(-1, 3, 3))
 
 
 def with_sharp_creases(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -12,6 +12,7 @@ import jinja2
 from kinmo.core.wording import clean_text, counted
 from kinmo.io.atomic_files import write_text_atomically
 from kinmo.view.object_scene import ObjectScene
+from kinmo.view.scene_data import scene_json
 
 MAX_PAGE_BYTES = 48 << 20
 """Largest size of all objects of a page together. Objects that do not fit are left out with a note."""
@@ -38,9 +39,12 @@ def static_page(scenes: Sequence[ObjectScene], title: str | None = None, most: i
     Returns:
         The page. It needs a browser with WebGL 2 and no network.
     """
-    texts, names, left_out, size = [], [], [], 0
+    texts: list[str] = []
+    names: list[str] = []
+    left_out: list[str] = []
+    size = 0
     for scene in scenes:
-        text = scene.to_json()
+        text = scene_json(scene)
         size += len(text)
         if texts and size > most:
             size -= len(text)

@@ -63,7 +63,7 @@ def with_axes(image: F64, fragments: Fragments, axes: Fragments, colors: F64) ->
     drawn[:, 3] = 1.0
     result = image.copy()
     result[seen] = drawn
-    return result
+    return np.asarray(result)
 
 
 def shadow(surfaces: SurfaceRaster, poses: F64, camera: Camera, ground: float, up: F64) -> NDArray[np.uint8]:

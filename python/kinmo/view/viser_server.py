@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import threading
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,7 +19,8 @@ from kinmo.io.writers.glb_writer import glb_bytes
 from kinmo.robot.robot import Robot
 from kinmo.view.corrections import Corrections
 from kinmo.view.joint_panels import JointPanels
-from kinmo.view.object_scene import ObjectScene, scene_of
+from kinmo.view.object_scene import ObjectScene
+from kinmo.view.scene_building import scene_of
 from kinmo.view.smooth_surface import with_sharp_creases
 
 HOST, PORT = "127.0.0.1", 8080
@@ -48,9 +51,7 @@ class ObjectServer:
         >>> server.stop()
     """
 
-    def __init__(
-        self, item: Prediction | Shape, folder: Path | None = None, *, host: str = HOST, port: int = PORT
-    ) -> None:
+    def __init__(self, item: Prediction | Shape, folder: Path | None = None, *, host: str = HOST, port: int = PORT) -> None:
         viser = _viser()
         self.corrections = None if isinstance(item, Shape) else Corrections.of(item, folder)
         self.scene = scene_of(item if self.corrections is None else self.corrections.prediction)
@@ -59,7 +60,8 @@ class ObjectServer:
         low, high = self.scene.bounds
         self._scale = 2.0 / max(float(np.linalg.norm(high - low)), np.finfo(float).tiny)
         self._offset = -self._scale * 0.5 * (low + high)
-        self.server = viser.ViserServer(host=host, port=port, label=f"kinmo: {self.scene.name}", verbose=False)
+        with redirect_stdout(StringIO()):  # viser prints a banner
+            self.server = viser.ViserServer(host=host, port=port, label=f"kinmo: {self.scene.name}", verbose=False)
         shown = "127.0.0.1" if host in ("0.0.0.0", "::") else host
         self.url = f"http://{shown}:{self.server.get_port()}"
         self.nodes: list[list[Any]] = []
@@ -75,7 +77,8 @@ class ObjectServer:
 
     def stop(self) -> None:
         """End the page."""
-        self.server.stop()
+        with redirect_stdout(StringIO()):
+            self.server.stop()
 
     def show(self) -> None:
         """Move everything to the present joint values."""
@@ -142,9 +145,7 @@ class ObjectServer:
                 continue
             vertices, faces = with_sharp_creases(join(*(self.scene.meshes[leaf] for leaf in body.leaves)))
             color = tuple(round(255 * each) for each in body.color)
-            nodes.append(
-                scene.add_mesh_simple(f"/colors/{index}", self._scale * vertices, faces, color=color, side="double")
-            )
+            nodes.append(scene.add_mesh_simple(f"/colors/{index}", self._scale * vertices, faces, color=color, side="double"))
             link = links[body.leaves[0]][0]
             own = type(link)(link.name, link.origin, tuple(links[leaf][1] for leaf in body.leaves), (), link.inertial)
             looks = glb_bytes(Robot(self.scene.robot.name, (own,), (), self.scene.robot.diagonal))
@@ -169,7 +170,7 @@ def _viser() -> ModuleType:
         import viser
     except ImportError:
         raise InputError("viser", "is not installed: pip install 'kinmo[view]'") from None
-    return viser  # type: ignore[no-any-return]
+    return viser
 
 
 def _quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
