@@ -29,6 +29,24 @@ def scene_of(item: Prediction | Shape) -> ObjectScene:
     return _scene_of_shape(item) if isinstance(item, Shape) else _scene_of_prediction(item)
 
 
+def with_options(scene: ObjectScene, index: int, options: Sequence[SceneOption]) -> ObjectScene:
+    """The scene with other joints for one body. The first one is chosen.
+
+    Args:
+        scene: The scene.
+        index: Index of the body.
+        options: The joints, in the frame of the shape. Their labels are continued with words about the joint.
+    """
+    bodies = list(scene.bodies)
+    body = Body(index, "", bodies[index].leaves)
+    placed = []
+    for option in options:
+        found = _placed(option, scene, body)
+        placed.append(replace(found, label=f"{option.label}: {found.label}"))
+    bodies[index] = replace(bodies[index], options=tuple(placed), chosen=0)
+    return replace(scene, bodies=tuple(bodies))
+
+
 def _scene_of_shape(shape: Shape) -> ObjectScene:
     mobility = shape.mobility or Mobility((Body(0, "object", shape.leaves),))
     options = [(SceneOption("", body.joint),) if body.joint is not None else () for body in mobility.bodies]
