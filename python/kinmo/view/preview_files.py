@@ -14,7 +14,7 @@ from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.io.atomic_files import write_bytes_atomically
 from kinmo.view.object_scene import ObjectScene
 from kinmo.view.opened_item import open_one
-from kinmo.view.preview import Preview, PreviewStyle
+from kinmo.view.preview_pictures import Preview, PreviewStyle
 
 GIF, PNG = ".gif", ".png"
 """Endings of animations and of pictures."""

@@ -10,7 +10,7 @@ from cabinet_results import cabinet_prediction
 
 from kinmo.view.body_colors import RESTING
 from kinmo.view.object_scene import ObjectScene
-from kinmo.view.preview import Preview, PreviewStyle
+from kinmo.view.preview_pictures import Preview, PreviewStyle
 from kinmo.view.scene_building import scene_of
 
 SIZE = 96
