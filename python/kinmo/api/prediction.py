@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -195,8 +196,7 @@ class Prediction:
             rotation, translation = poses[link.name][:3, :3], poses[link.name][:3, 3]
             for leaf in link.leaves:
                 mesh = self.shape.leaf_mesh(leaf)
-                moved = replace(mesh, vertices=mesh.vertices @ rotation.T + translation)
-                parts[leaf] = replace(parts[leaf], mesh=moved)
+                parts[leaf] = replace(parts[leaf], mesh=mesh.moved(rotation, translation))
         return replace(self.shape, parts=tuple(parts), mobility=None)
 
     def export(
@@ -216,7 +216,7 @@ class Prediction:
 
         Args:
             folder: The folder to write.
-            formats: Names of formats (`kinmo.io.writers.WRITERS`): "urdf", "mjcf", "joints_json", "partnet_mobility".
+            formats: Names of formats (`kinmo.io.writers.WRITERS`): "urdf", "mjcf", "glb", "joints_json", "partnet_mobility".
             name: Name of the model; None for the folder's name.
             metres_per_unit: Length of a unit of the shape's file in metres. None for that of the shape.
             collision: How parts collide: as "convex" pieces, as the "hull" of each part, as their "mesh", or "none".
@@ -224,7 +224,7 @@ class Prediction:
             overwrite: Replace a folder with files in it, as a whole. An overrides.toml in it stays.
 
         Returns:
-            Path of the main file of each format.
+            Path of the main file of each format. A warning tells what a format cannot carry, such as the colours of vertices.
 
         Raises:
             InputError: There is no such format, the folder has files in it or is the current one, or `metres_per_unit` is not
@@ -244,6 +244,8 @@ class Prediction:
         texts = self._overrides_text(folder) if "joints_json" in formats else {}
         written = write_result(self.shape, self.estimate, folder, formats, options, texts=texts)
         _record(folder, written.files)
+        for note in written.notes:
+            warnings.warn(note, stacklevel=2)
         return dict(written.main)
 
     def save(self, folder: Path | str) -> Path:

@@ -18,7 +18,7 @@ MAX_PIECES = 400
 def loose_pieces(mesh: Mesh, *, most: int = MAX_PIECES) -> list[Mesh]:
     """Connected components of a mesh with at least one face, as `pieces_of_faces` numbers them."""
     pieces = pieces_of_faces(mesh, most=most)
-    return [Mesh(mesh.vertices, mesh.faces[pieces == piece]).compact for piece in range(int(pieces.max()) + 1)]
+    return [mesh.part(pieces == piece) for piece in range(int(pieces.max()) + 1)]
 
 
 def pieces_of_faces(mesh: Mesh, *, most: int = MAX_PIECES) -> NDArray[np.int64]:

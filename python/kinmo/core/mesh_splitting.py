@@ -16,11 +16,7 @@ def split_mesh(mesh: Mesh, labels: NDArray[np.int64]) -> list[Mesh]:
     """Parts of a mesh by the label [F] of each face, in the order of the labels. The faces of a part stay in their order."""
     order = np.argsort(labels, kind="stable")
     starts = np.flatnonzero(np.diff(labels[order])) + 1
-    parts = []
-    for faces in np.split(mesh.faces[order], starts):
-        used, places = np.unique(faces, return_inverse=True)
-        parts.append(Mesh(mesh.vertices[used], places.reshape(-1, 3).astype(np.uint32)))
-    return parts
+    return [mesh.part(faces) for faces in np.split(order, starts)]
 
 
 def merge_small_parts(mesh: Mesh, labels: NDArray[np.int64], most: int) -> NDArray[np.int64]:

@@ -115,7 +115,7 @@ def _sides(mesh: Mesh) -> NDArray[np.int64]:
 
 
 def _divided(mesh: Mesh, label: NDArray[np.int64]) -> list[Mesh]:
-    return [Mesh(mesh.vertices, mesh.faces[label == each]).compact for each in np.unique(label)]
+    return [mesh.part(label == each) for each in np.unique(label)]
 
 
 def _studded(parts: list[FlatPart], rng: np.random.Generator, diagonal: float) -> list[FlatPart]:

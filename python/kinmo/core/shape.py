@@ -6,10 +6,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kinmo.core.look import Look, join_looks
 from kinmo.core.mobility import Mobility
 from kinmo.core.vector import Vector
 
@@ -24,10 +26,12 @@ class Mesh:
     Attributes:
         vertices: [V, 3] float64, in the length unit of the file.
         faces: [F, 3] uint32, indices into `vertices`.
+        look: materials, texture coordinates, colours and normals of the faces. None if the mesh has none.
     """
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.uint32]
+    look: Look | None = None
 
     @property
     def triangles(self) -> NDArray[np.float64]:
@@ -49,7 +53,23 @@ class Mesh:
     def compact(self) -> Mesh:
         """The same faces without the vertices that no face uses."""
         used = self._is_used
-        return Mesh(self.vertices[used], (np.cumsum(used) - 1)[self.faces].astype(np.uint32))
+        return Mesh(self.vertices[used], (np.cumsum(used) - 1)[self.faces].astype(np.uint32), self.look)
+
+    def part(self, chosen: NDArray[Any]) -> Mesh:
+        """Some faces, without the vertices that they do not use. `chosen` has their indices in any order, or True for them."""
+        used, places = np.unique(self.faces[chosen], return_inverse=True)
+        look = None if self.look is None else self.look.of_faces(chosen)
+        return Mesh(self.vertices[used], places.reshape(-1, 3).astype(np.uint32), look)
+
+    @property
+    def flipped(self) -> Mesh:
+        """The same faces seen from their other side: their corners are in reverse order."""
+        return Mesh(self.vertices, self.faces[:, ::-1], None if self.look is None else self.look.flipped)
+
+    @property
+    def bare(self) -> Mesh:
+        """The mesh without its look."""
+        return Mesh(self.vertices, self.faces)
 
     @property
     def _is_used(self) -> NDArray[np.bool_]:
@@ -59,7 +79,12 @@ class Mesh:
 
     def rotated(self, rotation: NDArray[np.float64]) -> Mesh:
         """The mesh in a frame that `rotation` [3, 3] rotates the present frame to."""
-        return Mesh(self.vertices @ rotation.T, self.faces)
+        return self.moved(rotation, 0.0)
+
+    def moved(self, linear: NDArray[np.float64], offset: NDArray[np.float64] | float) -> Mesh:
+        """The mesh moved by a linear map [3, 3] and then an offset [3]. If the map mirrors, faces look inwards."""
+        look = None if self.look is None else self.look.moved(linear)
+        return Mesh(self.vertices @ linear.T + offset, self.faces, look)
 
 
 def join(*meshes: Mesh) -> Mesh:
@@ -68,7 +93,9 @@ def join(*meshes: Mesh) -> Mesh:
     faces = [mesh.faces + start for mesh, start in zip(meshes, starts[:-1], strict=True)]
     nothing = np.zeros((0, 3))
     return Mesh(
-        np.concatenate([nothing, *(mesh.vertices for mesh in meshes)]), np.concatenate([nothing.astype(np.uint32), *faces])
+        np.concatenate([nothing, *(mesh.vertices for mesh in meshes)]),
+        np.concatenate([nothing.astype(np.uint32), *faces]),
+        join_looks([mesh.look for mesh in meshes], [mesh.triangles for mesh in meshes]),
     )
 
 

@@ -51,10 +51,12 @@ class WrittenResult:
     Attributes:
         main: path of the main file of each format.
         files: paths of all written files, relative to the folder.
+        notes: one line for everything that a format cannot carry.
     """
 
     main: Mapping[str, Path]
     files: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def read_result(folder: Path, source: Path | None = None) -> SavedResult:
@@ -131,13 +133,14 @@ def write_result(
     check_formats(formats)
     target = folder.resolve()  # a link to the folder stays a link
     with write_folder_atomically(target) as draft:
-        main = write_formats(shape, estimate, draft, formats, options)
+        notes: list[str] = []
+        main = write_formats(shape, estimate, draft, formats, options, notes)
         for name, text in (texts or {}).items():
             (draft / name).write_text(text, encoding="utf-8")
         written = tuple(sorted(files_below(draft)))
         for name in kept:
             _keep(target / name, draft / name)
-    return WrittenResult({name: folder / path.relative_to(draft) for name, path in main.items()}, written)
+    return WrittenResult({name: folder / path.relative_to(draft) for name, path in main.items()}, written, tuple(notes))
 
 
 def files_below(folder: Path) -> Iterator[str]:

@@ -104,6 +104,8 @@ class PredictShapes:
         repaired = [document for document in documents if document["repairs"]]
         for document in repaired[:MAX_REPAIRED_LINES]:
             observer.note(f"repaired: {document['id']}: {'; '.join(document['repairs'])}")
+        for document in [document for document in documents if document["notes"]][:MAX_REPAIRED_LINES]:
+            observer.note(f"not carried: {document['id']}: {'; '.join(document['notes'])}")
         for line in _guess_lines(documents):
             observer.note(line)
         for document in documents:
@@ -266,6 +268,7 @@ def _summary(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str
             "metres_per_unit": float(shape["metres_per_unit"]),
             "guessed": {str(name): str(line) for name, line in shape["guessed"].items()},
             "repairs": [str(repair) for repair in shape.get("repairs", ())],
+            "notes": [str(note) for note in document.get("export", {}).get("notes", ())],
             "corrected": "correction" in document,
         }
     return summary, lines

@@ -102,17 +102,17 @@ def _export(job: ExportJob) -> ExportedResult:
         texts = {OVERRIDES_FILE: file.read_text(encoding="utf-8")} if is_complete else {}
     written = write_result(result.shape, result.estimate, job.target, formats, options, kept=kept, texts=texts)
     document = joints_document(result.shape, result.estimate, options)
-    lines = joint_lines(document)
+    lines, notes = joint_lines(document), (*_notes(result.estimate, formats), *written.notes)
     data = {
         "id": result.shape.id,
         "folder": str(job.target),
         "category": result.estimate.category,
         "joints": len(lines),
         "corrected": result.estimate.correction is not None,
-        "notes": list(_notes(result.estimate, formats)),
+        "notes": list(notes),
         "files": {name: str(path) for name, path in written.main.items()},
     }
-    return ExportedResult(data, tuple(lines), _notes(result.estimate, formats), written.files)
+    return ExportedResult(data, tuple(lines), notes, written.files)
 
 
 def _notes(estimate: ShapeEstimate, formats: Sequence[str]) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +99,7 @@ def build_robot(
 
 def _placed(mesh: Mesh, rotation: NDArray[np.float64], scale: float) -> Mesh:
     """A mesh in the frame of the robot."""
-    return Mesh(scale * mesh.vertices @ rotation.T, mesh.faces)
+    return replace(mesh.rotated(rotation), vertices=scale * mesh.vertices @ rotation.T)
 
 
 def link_names(links: Sequence[Link]) -> list[list[str]]:

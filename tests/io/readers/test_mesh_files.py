@@ -61,7 +61,7 @@ def test_polygons_of_an_obj_file_stay_in_their_group(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text(text + second)
     shape = kinmo.load(tmp_path / "a.obj")
     assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"all": 12, "five": 3}
-    assert shape.repairs == ("points and lines ignored: 1",)
+    assert shape.repairs == ("materials box.mtl (missing) ignored: 1", "points and lines ignored: 1")
 
 
 def test_the_solids_of_a_text_stl_are_the_parts(tmp_path: Path) -> None:

@@ -193,7 +193,7 @@ def test_meshes_that_are_not_listed_get_one_note(tmp_path):
     folder = write_partnet_mobility(tmp_path / "4711")
     for number in (8, 9):
         (folder / "textured_objs" / f"spare-{number}.obj").write_text("")
-    (folder / "textured_objs" / "material.mtl").write_text("")
+    (folder / "textured_objs" / "box.mtl").write_text("")
     expected = "result.json does not list spare-8.obj, spare-9.obj in textured_objs: not read"
     assert read_partnet_mobility(folder).repairs == (expected,)
 

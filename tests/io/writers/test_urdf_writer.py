@@ -200,6 +200,6 @@ def test_all_formats_can_be_written_into_one_folder(tmp_path):
 
 def test_an_unknown_format_is_an_error_with_a_suggestion(tmp_path):
     shape = cabinet(Joint(JointKind.PRISMATIC, np.array([0.0, 1, 0]), np.zeros(3)))
-    with pytest.raises(InputError, match=r"unknown format urfd \(did you mean urdf\?\); expected one of joints_json"):
+    with pytest.raises(InputError, match=r"unknown format urfd \(did you mean urdf\?\); expected one of glb, joints_json"):
         export(shape, shape.mobility, tmp_path / "out", ["urfd"])
     assert not list(tmp_path.iterdir())

@@ -57,13 +57,18 @@ def read_numbers(file: GltfFile, index: JsonField, kind: str, component_types: t
 def read_floats(file: GltfFile, index: JsonField, kind: str) -> F64:
     """The values [count, width] of an accessor. Normalised integers give values from 0 or -1 to 1."""
     accessor = file.entry("accessors", index)
-    stored = read_numbers(file, index, kind)
-    values = stored.astype(np.float64)
-    if stored.dtype.kind != "f" and accessor["normalized"].flag():
-        values = np.maximum(values / np.iinfo(stored.dtype).max, -1.0)
+    values = normalised(read_numbers(file, index, kind).astype(np.float64), accessor)
     if not np.isfinite(values).all():
         raise index.fail("expected finite numbers")
     return values
+
+
+def normalised(values: F64, accessor: JsonField) -> F64:
+    """Values of an accessor, divided by the largest one of its type if it says so."""
+    dtype = np.dtype(_DTYPES[accessor["componentType"].integer()])
+    if dtype.kind == "f" or not accessor["normalized"].flag():
+        return values
+    return np.maximum(values / np.iinfo(dtype).max, -1.0)
 
 
 def _packed(file: GltfFile, place: JsonField, dtype: np.dtype[Any], count: int, width: int) -> NDArray[Any]:

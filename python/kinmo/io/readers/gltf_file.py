@@ -6,6 +6,7 @@ import base64
 import binascii
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
@@ -122,14 +123,19 @@ class GltfFile:
         if not isinstance(uri.value, str):
             raise uri.fail("expected a text")
         if not uri.value.startswith("data:"):
-            return read_bytes(_buffer_path(self.path, uri.value), self.path.parent, MAX_SCENE_BYTES)
-        head, comma, text = uri.value.partition(",")
-        if not comma or not head.endswith(";base64"):
-            raise uri.fail("expected data as base64")
-        try:
-            return base64.b64decode(text, validate=True)
-        except (binascii.Error, ValueError):
-            raise uri.fail("expected data as base64") from None
+            return read_bytes(file_of_uri(self.path, uri.value), self.path.parent, MAX_SCENE_BYTES)
+        return data_of_uri(uri)
+
+
+def data_of_uri(uri: JsonField) -> bytes:
+    """The bytes in a data URI."""
+    head, comma, text = uri.whole_text().partition(",")
+    if not comma or not head.endswith(";base64"):
+        raise uri.fail("expected data as base64")
+    try:
+        return base64.b64decode(text, validate=True)
+    except (binascii.Error, ValueError):
+        raise uri.fail("expected data as base64") from None
 
 
 def extension(field: JsonField, name: str) -> JsonField:
@@ -146,19 +152,25 @@ def count_of(field: JsonField) -> int:
     return value
 
 
-def buffer_files(path: Path) -> list[Path]:
-    """The files with the buffers of a glTF file. None if the file cannot be read."""
+def other_files(path: Path) -> list[Path]:
+    """The files with the buffers and images of a glTF file. None if the file cannot be read."""
     try:
         root, _ = _read_document(path)
-        uris = [buffer["uri"].value for buffer in root["buffers"].items()]
-        return [_buffer_path(path, uri) for uri in uris if isinstance(uri, str) and not uri.startswith("data:")]
+        uris = [entry["uri"].value for name in ("buffers", "images") for entry in root[name].items()]
     except InputError:
         return []
+    found = []
+    for uri in uris:
+        if isinstance(uri, str) and not uri.startswith("data:"):
+            with suppress(InputError):
+                found.append(file_of_uri(path, uri))
+    return found
 
 
-def _buffer_path(path: Path, uri: str) -> Path:
+def file_of_uri(path: Path, uri: str) -> Path:
+    """The file that a URI in the glTF file `path` names. Raises InputError if it leads out of the folder."""
     if "://" in uri:
-        raise InputError(path, f"its buffer is at {uri}: download it, or export one GLB")
+        raise InputError(path, f"its data is at {uri}: download it, or export one GLB")
     return inside(path.parent / unquote(uri), path.parent)
 
 

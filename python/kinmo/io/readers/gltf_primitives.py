@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
-from kinmo.io.readers.gltf_accessors import INDEX_TYPES, read_floats, read_numbers
+from kinmo.io.readers.gltf_accessors import INDEX_TYPES, normalised, read_floats, read_numbers
 from kinmo.io.readers.gltf_file import DRACO, GltfFile, extension
+from kinmo.io.readers.gltf_materials import GltfMaterials
 from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.optional_library import optional_library
 
@@ -34,8 +35,8 @@ class Primitive:
     weights: F64 | None
 
 
-def read_primitive(file: GltfFile, field: JsonField) -> Primitive | None:
-    """The triangles of a primitive, with all its vertices. None for points and lines."""
+def read_primitive(file: GltfFile, field: JsonField, materials: GltfMaterials) -> Primitive | None:
+    """The triangles of a primitive, with all its vertices and its look. None for points and lines."""
     mode = field["mode"].integer(_TRIANGLES)
     position = field["attributes"]["POSITION"]
     if mode < _TRIANGLES or position.is_absent:
@@ -44,7 +45,7 @@ def read_primitive(file: GltfFile, field: JsonField) -> Primitive | None:
         raise field["mode"].fail(f"expected 0 to 6, got {mode}")
     draco = extension(field, DRACO)
     if not draco.is_absent and file.entry("accessors", position)["bufferView"].is_absent:
-        return _decompressed(file, draco)
+        return _decompressed(file, field, draco, materials)
     vertices = read_floats(file, position, "VEC3")
     indices = field["indices"]
     if indices.is_absent:
@@ -54,7 +55,17 @@ def read_primitive(file: GltfFile, field: JsonField) -> Primitive | None:
         if int(order.max()) >= len(vertices):
             raise indices.fail(f"expected indices below {len(vertices)}, got {int(order.max())}")
     joints, weights = _influences(file, field["attributes"], len(vertices))
-    return Primitive(Mesh(vertices, _faces(order, mode)), joints, weights)
+    faces, attributes = _faces(order, mode), field["attributes"]
+
+    def values(name: str) -> F64 | None:
+        width = 2 if name.startswith("TEXCOORD") else 3
+        if attributes[name].is_absent:
+            return None
+        if name == "COLOR_0" and file.entry("accessors", attributes[name])["type"].text() == "VEC4":
+            width = 4
+        return read_floats(file, attributes[name], f"VEC{width}")
+
+    return Primitive(Mesh(vertices, faces, materials.look(field, faces, len(vertices), values)), joints, weights)
 
 
 def _influences(file: GltfFile, attributes: JsonField, count: int) -> tuple[NDArray[np.int64] | None, F64 | None]:
@@ -70,7 +81,7 @@ def _influences(file: GltfFile, attributes: JsonField, count: int) -> tuple[NDAr
     return (np.hstack(joints), np.hstack(weights)) if joints else (None, None)
 
 
-def _decompressed(file: GltfFile, draco: JsonField) -> Primitive:
+def _decompressed(file: GltfFile, field: JsonField, draco: JsonField, materials: GltfMaterials) -> Primitive:
     """A primitive compressed with Draco."""
     library = optional_library("DracoPy", "formats", file.path, "is compressed with Draco")
     data = bytes(file.view(draco["bufferView"]).data)
@@ -95,9 +106,16 @@ def _decompressed(file: GltfFile, draco: JsonField) -> Primitive:
         raise draco.fail("expected finite positions")
     if len(faces) and int(faces.max()) >= len(vertices):
         raise draco.fail(f"expected indices below {len(vertices)}, got {int(faces.max())}")
+
+    def shares(name: str) -> F64 | None:
+        """Values, where normalised integers give 0 or -1 to 1 as their accessor says."""
+        found, index = values(name), field["attributes"][name]
+        return found if found is None or index.is_absent else normalised(found, file.entry("accessors", index))
+
+    mesh = Mesh(vertices, faces, materials.look(field, faces, len(vertices), shares))
     if joints is None or weights is None or joints.shape != weights.shape or len(joints) != len(vertices):
-        return Primitive(Mesh(vertices, faces), None, None)
-    return Primitive(Mesh(vertices, faces), joints.astype(np.int64), weights)
+        return Primitive(mesh, None, None)
+    return Primitive(mesh, joints.astype(np.int64), weights)
 
 
 def _faces(order: NDArray[np.uint32], mode: int) -> NDArray[np.uint32]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from kinmo.core.shape import Shape
-from kinmo.io.readers.gltf_file import GltfFile, buffer_files
+from kinmo.io.readers.gltf_file import GltfFile, other_files
 from kinmo.io.readers.gltf_scene import GltfScene
 from kinmo.io.readers.reader import Reader
 from kinmo.io.readers.scene import Scene
@@ -30,7 +30,7 @@ def read_glb_scene(path: Path) -> Scene:
 READER = Reader(
     GLB,
     read_glb,
-    lambda path: (path.absolute().parent, [path, *buffer_files(path)]),
+    lambda path: (path.absolute().parent, [path, *other_files(path)]),
     id_of_file=id_by_ending(_ENDINGS),
     endings=_ENDINGS,
     read_stated=read_glb,

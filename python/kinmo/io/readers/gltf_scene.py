@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from kinmo.core.shape import Mesh, join
 from kinmo.io.readers import scene as limits
 from kinmo.io.readers.gltf_accessors import FLOAT, read_floats, read_numbers
 from kinmo.io.readers.gltf_file import INSTANCING, GltfFile, extension
+from kinmo.io.readers.gltf_materials import GltfMaterials
 from kinmo.io.readers.gltf_primitives import Primitive, read_primitive
 from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.part_hierarchy import check_depth
@@ -35,10 +37,14 @@ class GltfScene:
         self._primitives: dict[int, list[Primitive]] = {}
         self._surfaces: dict[int, Mesh | None] = {}
         self._ignored: Counter[str] = Counter()
+        self._materials = GltfMaterials(file, self._ignore)
         self._parents = {child.integer(): index for index, child in _child_fields(file)}
         self._poses: dict[int, F64] = {}
         self.nodes = tuple(self._scene_nodes())
         self.repairs = ignored(self._ignored)
+
+    def _ignore(self, what: str) -> None:
+        self._ignored[what] += 1
 
     def _scene_nodes(self) -> list[SceneNode]:
         root = self._file.root
@@ -108,7 +114,7 @@ class GltfScene:
         if number not in self._primitives:
             found = []
             for field in self._file.entry("meshes", index)["primitives"].items():
-                primitive = read_primitive(self._file, field)
+                primitive = read_primitive(self._file, field, self._materials)
                 if primitive is None:
                     self._ignored["points and lines"] += 1
                     continue
@@ -227,4 +233,5 @@ def _bent(primitive: Primitive, poses: F64, node: JsonField) -> Mesh:
                 vertices[rows] += weights[rows, column, None] * (corners[rows] @ poses[joint, :3].T)
     if not np.isfinite(vertices).all():
         raise node["skin"].fail("expected transforms that give finite positions")
-    return Mesh(vertices, primitive.mesh.faces)
+    look = primitive.mesh.look
+    return Mesh(vertices, primitive.mesh.faces, None if look is None else replace(look, normals=None))

@@ -16,12 +16,14 @@ from kinmo.core.frames import Axis
 from kinmo.core.mesh_splitting import split_mesh
 from kinmo.core.shape import Mesh, Shape
 from kinmo.core.wording import clean_text
+from kinmo.io.readers.mtl_materials import MtlMaterials
+from kinmo.io.readers.obj_look import libraries_in
 from kinmo.io.readers.obj_reader import face_places, obj_lines, parse_polygons
 from kinmo.io.readers.reader import Reader
 from kinmo.io.readers.scene import Scene, SceneBuilder
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
-from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, peek, read_bytes
 
 OBJ = "obj"
 _DIVISION = re.compile(rb"\n[ \t]*(o|g|usemtl)(?=[ \t\n])[ \t]*([^\n#]*)")
@@ -44,7 +46,8 @@ def read_obj_scene(path: Path) -> Scene:
     as children. Materials count if nothing else divides the faces.
     """
     text = obj_lines(read_bytes(path, path.parent, MAX_SCENE_BYTES))
-    found = parse_polygons(text, path)
+    builder = SceneBuilder(path)
+    found = parse_polygons(text, path, MtlMaterials(path.parent, builder.ignore))
     if found is None:
         raise InputError(path, "no part has geometry: expected faces")
     mesh, polygons = found
@@ -56,7 +59,6 @@ def read_obj_scene(path: Path) -> Scene:
         groups, group_names = _keys(divisions["usemtl"], places)
         if len(np.unique(groups)) == 1:
             group_names = [""]
-    builder = SceneBuilder(path)
     if _LINES.search(text):
         builder.ignore("points and lines")
     _add_nodes(builder, mesh, objects, object_names, groups, group_names)
@@ -113,10 +115,16 @@ def obj_up(mesh: Mesh) -> Axis:
     return "z" if stands[2] and is_centred[0] and is_centred[1] and not stands[1] else "y"
 
 
+def _material_files(path: Path) -> list[Path]:
+    """The MTL files and images of an OBJ file whose beginning names its MTL files."""
+    materials = MtlMaterials(path.parent, lambda what: None)
+    return materials.files(path, libraries_in(obj_lines(peek(path, path.parent))))
+
+
 READER = Reader(
     OBJ,
     read_obj_file,
-    lambda path: (path.absolute().parent, [path]),
+    lambda path: (path.absolute().parent, [path, *_material_files(path)]),
     id_of_file=id_by_ending((".obj",)),
     endings=(".obj",),
     read_stated=read_obj_file,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,9 +12,11 @@ from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, join
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.json_field import JsonField
+from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.obj_reader import read_obj
 from kinmo.io.readers.part_hierarchy import Hierarchy, Node, build_hierarchy, read_nodes
 from kinmo.io.readers.reader import SourceFiles
+from kinmo.io.readers.scene import ignored
 from kinmo.io.readers.unlisted_meshes import unlisted_meshes
 from kinmo.io.readers.untrusted_files import read_json
 
@@ -52,15 +55,19 @@ def read_hierarchy(folder: Path, file: Path) -> Hierarchy:
     names = {index: _mesh_names(node) for index, node in enumerate(nodes) if node.is_leaf}
     source = _mesh_folder(folder)
     problems: dict[int, list[InputError]] = {index: [] for index in names}
-    meshes = {index: _leaf_mesh(names[index], source, folder, problems[index]) for index in names}
+    unread: Counter[str] = Counter()
+    has_materials = any(entry.name.lower().endswith(".mtl") for entry in source.iterdir())  # many copies are without
+    materials = MtlMaterials(folder, lambda what: unread.update([what])) if has_materials else None
+    meshes = {index: _leaf_mesh(names[index], source, folder, materials, problems[index]) for index in names}
     notes = [
         f"{nodes[index]}: {source.name}/{Path(problem.where).name} skipped: {problem.problem}"
         for index, found in problems.items()
         for problem in found
     ]
+    notes += ignored(unread)
     notes += unlisted_meshes(source, {name for leaf in names.values() for name in leaf}, file)
-    unread = [index for index, found in problems.items() if len(found) == len(names[index]) > 0]
-    return build_hierarchy(nodes, meshes, notes, unread)
+    noted = [index for index, found in problems.items() if len(found) == len(names[index]) > 0]
+    return build_hierarchy(nodes, meshes, notes, noted)
 
 
 def _mesh_folder(folder: Path) -> Path:
@@ -77,12 +84,14 @@ def _mesh_names(node: Node) -> list[str]:
     return list(dict.fromkeys(_mesh_name(item) for item in node.field["objs"].items()))
 
 
-def _leaf_mesh(names: list[str], source: Path, folder: Path, problems: list[InputError]) -> Mesh:
+def _leaf_mesh(
+    names: list[str], source: Path, folder: Path, materials: MtlMaterials | None, problems: list[InputError]
+) -> Mesh:
     """The meshes of a leaf as one. `problems` receives the errors of those that cannot be read."""
     found = []
     for name in names:
         try:
-            mesh = read_obj(source / name, folder)
+            mesh = read_obj(source / name, folder, materials)
         except InputError as problem:
             problems.append(problem)
         else:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
+from kinmo.core.look import NO_MATERIAL, Look
 from kinmo.core.shape import Mesh
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.mesh_limits import checked
@@ -65,12 +66,14 @@ def read_ply_mesh(data: bytes, path: Path) -> Mesh:
     """
     elements, rows = _parse(data, path)
     vertices, corners, sizes = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64)
+    colors: NDArray[np.float64] | None = None
     place = 0
     try:
         for element in elements:
             columns, place = _read_element(rows, place, element)
             if element.name == "vertex":
                 vertices = np.stack([columns[axis].values for axis in "xyz"], axis=1)
+                colors = _colors(element, columns)
             elif element.name == "face":
                 found = next(columns[name] for name in _CORNERS if name in columns)
                 corners, sizes = found.values, found.sizes
@@ -79,7 +82,27 @@ def read_ply_mesh(data: bytes, path: Path) -> Mesh:
     if not np.all((corners >= 0) & (corners < len(vertices))):
         raise InputError(path, f"a face names a vertex outside 0..{len(vertices) - 1}")
     faces, _ = triangulate(vertices, corners.astype(np.int64), sizes, path)
-    return checked(Mesh(vertices, faces.astype(np.uint32)).compact, path)
+    look = None
+    if colors is not None:
+        look = Look((), np.full(len(faces), NO_MATERIAL, np.int32), colors=colors[faces].astype(np.float32))
+    return checked(Mesh(vertices, faces.astype(np.uint32), look).compact, path)
+
+
+def _colors(element: _Element, columns: dict[str, _Column]) -> NDArray[np.float64] | None:
+    """Red, green, blue and opacity [V, 4] of vertices from 0 to 1. None if they have none."""
+    if not all(name in columns for name in ("red", "green", "blue")):
+        return None
+    types = {each.name: each.type for each in element.properties}
+    shown = []
+    for name in ("red", "green", "blue", "alpha"):
+        if name in columns:
+            values, bits = columns[name].values, 8 * types[name].itemsize
+            whole = {"u": 2.0**bits - 1.0, "i": 2.0 ** (bits - 1) - 1.0}
+            usual = 255.0 if values.max(initial=0.0) > 1.0 else 1.0  # texts have floats alone
+            shown.append(values / whole.get(types[name].kind, usual))
+    opaque = [np.ones(len(shown[0]))] * (4 - len(shown))
+    colors = np.stack([*shown, *opaque], axis=1)
+    return np.clip(colors, 0.0, 1.0) if np.isfinite(colors).all() else None
 
 
 def _parse(data: bytes, path: Path) -> tuple[list[_Element], bytes]:

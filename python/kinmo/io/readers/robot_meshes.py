@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from kinmo.core.errors import InputError
@@ -107,7 +108,7 @@ def read_mesh(path: Path) -> Mesh:
     elif ending == ".dae":
         scene = read_dae_scene(path)
         mesh = _whole(scene)
-        mesh = Mesh(mesh.vertices * (scene.metres_per_unit or 1.0), mesh.faces)
+        mesh = replace(mesh, vertices=mesh.vertices * (scene.metres_per_unit or 1.0))
     elif ending in (".glb", ".gltf"):
         mesh = _whole(read_glb_scene(path))
     else:

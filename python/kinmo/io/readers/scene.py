@@ -128,9 +128,9 @@ def placed(mesh: Mesh, pose: F64, where: Path) -> Mesh:
     Raises InputError for positions that are not finite or too large.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        vertices = mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
+        moved = mesh.moved(pose[:3, :3], pose[:3, 3])
         is_mirrored = np.linalg.det(pose[:3, :3]) < 0.0
-    return checked(Mesh(vertices, mesh.faces[:, ::-1] if is_mirrored else mesh.faces), where)
+    return checked(moved.flipped if is_mirrored else moved, where)
 
 
 def ignored(counts: Mapping[str, int] | Iterable[tuple[str, int]]) -> tuple[str, ...]:

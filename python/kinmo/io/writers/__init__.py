@@ -60,8 +60,27 @@ def check_formats(formats: Sequence[str]) -> None:
 
 
 def write_formats(
-    shape: Shape, result: ShapeEstimate | Mobility, folder: Path, formats: Sequence[str], options: ExportOptions
+    shape: Shape,
+    result: ShapeEstimate | Mobility,
+    folder: Path,
+    formats: Sequence[str],
+    options: ExportOptions,
+    notes: list[str] | None = None,
 ) -> dict[str, Path]:
-    """Write some formats into a folder that exists. Returns the path of the main file of each."""
-    exported = ExportedObject(shape, result, replace(options, formats=tuple(formats)))
-    return {name: WRITERS[name](exported, folder) for name in formats}
+    """Write some formats into a folder that exists.
+
+    Args:
+        shape: The shape.
+        result: Its joints.
+        folder: The folder.
+        formats: Keys of `WRITERS`.
+        options: Settings.
+        notes: Receives a line for everything that a format cannot carry. joints.json has them too.
+
+    Returns:
+        Path of the main file of each format.
+    """
+    exported = ExportedObject(shape, result, replace(options, formats=tuple(formats)), [] if notes is None else notes)
+    last = sorted(formats, key=lambda name: WRITERS[name] is write_joints_json)  # it has the notes of the others
+    written = {name: WRITERS[name](exported, folder) for name in last}
+    return {name: written[name] for name in formats}

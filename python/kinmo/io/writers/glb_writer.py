@@ -1,8 +1,8 @@
 """GLB: the object as it looks, with one animation per joint. y is up, in metres, as glTF asks.
 
-Every link is a node with the name of the link, below the node of its parent. At rest its transform is a translation to the origin
-of its joint: a rotation or translation of the node about the joint's axis articulates the object. Below it is one node per part,
-with the part's name and mesh. The field `extras` of a link's node describes its joint, in the frame of the node.
+Every link is a node with the name of the link, below the node of its parent. At rest its transform is a translation to the
+origin of its joint: a rotation or translation of the node about the joint's axis articulates the object. Below it is one node
+per part, with the part's name and mesh. The field `extras` of a link's node describes its joint, in the frame of the node.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from scipy.spatial.transform import Rotation
 
 from kinmo.core.frames import Y_UP_TO_Z_UP
 from kinmo.core.vector import Vector
-from kinmo.io.writers.glb_file import ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, GlbFile
+from kinmo.io.writers.glb_file import GlbFile
+from kinmo.io.writers.glb_meshes import GlbMeshes
+from kinmo.io.writers.texture_images import Note
 from kinmo.io.writers.writer import ExportedObject
 from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind, RobotLink, Visual
 
@@ -29,25 +31,28 @@ MAX_TURN = math.pi / 3.0
 """Largest angle between keyframes. Viewers take the shorter way between two rotations."""
 MIN_STEP = 1e-6
 """Smallest motion between keyframes, relative to the whole animation."""
-PLAIN = {"name": "plain", "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.8}, "doubleSided": True}
-"""The material of parts that have none. glTF's own default is a metal."""
 
 
 def write_glb(exported: ExportedObject, folder: Path) -> Path:
     """Write a GLB (see `kinmo.io.writers.writer.Writer`)."""
     path = folder / f"{exported.options.name}.glb"
-    path.write_bytes(glb_bytes(exported.robot))
+    path.write_bytes(glb_bytes(exported.robot, lambda line: exported.note(f"glb: {line}")))
     return path
 
 
-def glb_bytes(robot: Robot) -> bytes:
-    """A robot as a binary glTF file, without its collision geometry."""
+def glb_bytes(robot: Robot, note: Note = lambda line: None) -> bytes:
+    """A robot as a binary glTF file, without its collision geometry.
+
+    Args:
+        robot: The robot.
+        note: What receives a line about everything that cannot be carried.
+    """
     file = GlbFile()
-    file.add("materials", **PLAIN)
-    for link in range(len(robot.links)):  # the nodes of links come first, in their order
-        _add_link(file, robot, link)
+    meshes = GlbMeshes(file, note)
+    for index in range(len(robot.links)):  # the nodes of links come first, in their order
+        _add_link(file, robot, index)
     for node, link in zip(file.lists["nodes"][:], robot.links, strict=True):
-        below = [_add_visual(file, visual, link) for visual in link.visuals]
+        below = [_add_visual(file, meshes, visual, link) for visual in link.visuals]
         node.setdefault("children", []).extend(below)
         if not node["children"]:
             del node["children"]  # glTF forbids empty lists
@@ -68,14 +73,10 @@ def _add_link(file: GlbFile, robot: Robot, index: int) -> None:
     file.lists["nodes"][joint.parent].setdefault("children", []).append(place)
 
 
-def _add_visual(file: GlbFile, visual: Visual, link: RobotLink) -> int:
+def _add_visual(file: GlbFile, meshes: GlbMeshes, visual: Visual, link: RobotLink) -> int:
     """Add the node and mesh of a part. Returns the index of the node."""
-    mesh = visual.mesh.compact
-    vertices = ((mesh.vertices - link.origin) @ FROM_ROBOT.T).astype(np.float32)
-    position = file.array(vertices, ARRAY_BUFFER, bounds=True)
-    indices = file.array(mesh.faces.reshape(-1), ELEMENT_ARRAY_BUFFER)
-    primitive = {"attributes": {"POSITION": position}, "indices": indices, "material": 0}
-    return file.add("nodes", name=visual.name, mesh=file.add("meshes", name=visual.name, primitives=[primitive]))
+    mesh = visual.mesh.moved(FROM_ROBOT, -FROM_ROBOT @ link.origin)
+    return file.add("nodes", name=visual.name, mesh=meshes.add(visual.name, mesh))
 
 
 def _add_animation(file: GlbFile, robot: Robot, joint: RobotJoint) -> None:

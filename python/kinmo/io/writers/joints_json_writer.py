@@ -28,6 +28,8 @@ def write_joints_json(exported: ExportedObject, folder: Path) -> Path:
     if not isinstance(result, ShapeEstimate):
         raise InputError(folder / FILE_NAME, "holds a prediction with scores: a mobility without scores cannot be written")
     document = joints_document(shape, result, options)
+    if exported.notes:
+        document["export"]["notes"] = list(exported.notes)
     write_json_atomically(folder / FILE_NAME, document, allow_nan=False)
     return folder / FILE_NAME
 

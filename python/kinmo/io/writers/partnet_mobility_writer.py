@@ -25,12 +25,14 @@ from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import ShapeEstimate
 from kinmo.io.readers.partnet_annotation import META_FILE, MOBILITY_FILE, PSEUDO_LABEL
 from kinmo.io.writers.obj_writer import write_obj
+from kinmo.io.writers.texture_images import TextureImages, materials_of
 from kinmo.io.writers.urdf_writer import robot_element
 from kinmo.io.writers.writer import ExportedObject
 from kinmo.io.writers.xml_files import write_xml
 from kinmo.robot.robot_builder import build_robot
 
-MESHES = "textured_objs"
+MESHES, IMAGES = "textured_objs", "images"
+"""Folders."""
 MIN_RANGE = 1e-6
 """Smallest joint range that is written, in degrees (hinges) or diagonals. It is far below any measurable motion."""
 
@@ -38,7 +40,8 @@ MIN_RANGE = 1e-6
 def write_partnet_mobility(exported: ExportedObject, folder: Path) -> Path:
     """Write a shape as PartNet-Mobility does (see `kinmo.io.writers.writer.Writer`).
 
-    The files are mobility_v2.json, result.json, meta.json, mobility.urdf, semantics.txt and one OBJ per leaf in textured_objs.
+    The files are mobility_v2.json, result.json, meta.json, mobility.urdf, semantics.txt, one OBJ per leaf in textured_objs, and
+    the images of their materials in images.
     Bodies are numbered in their order. Parts keep their ids. The setting `meta` is added to meta.json. Predictions that nobody
     corrected are marked there: `kinmo prepare` takes them for no annotation.
     """
@@ -47,8 +50,12 @@ def write_partnet_mobility(exported: ExportedObject, folder: Path) -> Path:
     mark = {PSEUDO_LABEL: result.method} if isinstance(result, ShapeEstimate) and result.correction is None else {}
     facts = {"model_cat": shape.category or None, "model_id": shape.id, "anno_id": shape.partnet_id, **mark, **options.meta}
     (folder / MESHES).mkdir(parents=True, exist_ok=True)
+    textures = TextureImages(
+        folder / IMAGES, materials_of(shape.meshes()), lambda line: exported.note(f"partnet_mobility: {line}")
+    )
     for leaf in shape.leaves:
-        write_obj(folder / MESHES / f"{_mesh_name(leaf)}.obj", shape.leaf_mesh(leaf).rotated(rotation))
+        mesh = shape.leaf_mesh(leaf).rotated(rotation)
+        write_obj(folder / MESHES / f"{_mesh_name(leaf)}.obj", mesh, textures, f"../{IMAGES}/")
     _write_json(folder / META_FILE, {key: value for key, value in facts.items() if value is not None})
     _write_json(folder / "result.json", [_node(shape, 0)])
     entries = [_body(shape, mobility, i, rotation) for i in range(len(mobility.bodies))]

@@ -1,24 +1,27 @@
 """Mesh files of a robot, which several formats share: one OBJ for each part as it looks, and for each hull it collides with.
 
-MuJoCo refuses flat meshes. A flat part is therefore written as two sheets with a small distance.
+Simulators show one material per mesh: a part with several materials becomes several visuals. MuJoCo refuses flat meshes. A flat
+part is therefore written as two sheets with a small distance.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from kinmo.core.look import Look, Material
+from kinmo.core.names import unique_names
 from kinmo.core.shape import Mesh, join
 from kinmo.io.writers.obj_writer import write_obj
+from kinmo.io.writers.texture_images import Note, TextureImages, materials_of
 from kinmo.robot.collision_shapes import Hull, Surface
 from kinmo.robot.convex_decomposition import box_of
-from kinmo.robot.robot import Collision, Robot, Visual
+from kinmo.robot.robot import Collision, Robot, RobotLink, Visual
 
 MESHES = "meshes"
 """Folder of the files, beside the file of the robot."""
-
-
 FLATNESS = 1e-5
 """Largest thickness of a flat part, in diagonals of the object."""
 SHEET_DISTANCE = 1e-4
@@ -30,13 +33,69 @@ def mesh_file(item: Visual | Collision) -> str:
     return f"{item.name}.obj"
 
 
-def write_robot_meshes(robot: Robot, folder: Path) -> None:
+def with_single_materials(robot: Robot) -> Robot:
+    """The robot with one visual for each material of a part, named after the part and the material."""
+    pieces: list[tuple[int, str, Visual]] = []
+    for index, link in enumerate(robot.links):
+        for visual in link.visuals:
+            groups = [] if visual.mesh.look is None else visual.mesh.look.used()
+            for material, faces in groups if len(groups) > 1 else []:
+                name = f"{visual.name}_{'plain' if material is None else material.name}"
+                mesh = visual.mesh.part(faces)
+                pieces.append((index, name, replace(visual, mesh=replace(mesh, look=_with_one(mesh.look, material)))))
+            if len(groups) <= 1:
+                pieces.append((index, visual.name, visual))
+    if len(pieces) == sum(len(link.visuals) for link in robot.links):
+        return robot
+    taken = [visual.name for link in robot.links for visual in link.visuals]
+    taken += [collision.name for link in robot.links for collision in link.collisions]
+    names = iter(unique_names([*taken, *(name for _, name, visual in pieces if name != visual.name)])[len(taken) :])
+    visuals: list[list[Visual]] = [[] for _ in robot.links]
+    for index, name, visual in pieces:
+        visuals[index].append(visual if name == visual.name else replace(visual, name=next(names)))
+    links: list[RobotLink] = [replace(link, visuals=tuple(own)) for link, own in zip(robot.links, visuals, strict=True)]
+    return replace(robot, links=tuple(links))
+
+
+def _with_one(look: Look | None, material: Material | None) -> Look | None:
+    """The look of faces that have one material, without the others."""
+    if look is None:
+        return None
+    materials = () if material is None else (material,)
+    return replace(look, materials=materials, material=np.full_like(look.material, len(materials) - 1))
+
+
+def shown_material(mesh: Mesh) -> Material | None:
+    """The material of a mesh that has one at most, with the mean of its vertex colours as part of the base colour."""
+    if mesh.look is None:
+        return None
+    material, colors = next(iter(mesh.look.materials), None), mesh.look.colors
+    if colors is None or not has_colors(mesh):
+        return material
+    weights = mesh.face_areas if mesh.face_areas.sum() > 0.0 else np.ones(len(mesh.faces))
+    mean = np.average(colors.astype(np.float64).mean(axis=1), axis=0, weights=weights)
+    plain = material or Material("vertex_colors")
+    red, green, blue, opacity = np.round(mean * plain.base_color, 6).tolist()
+    return replace(plain, base_color=(red, green, blue, opacity))
+
+
+def has_colors(mesh: Mesh) -> bool:
+    """True if a mesh has vertex colours other than white."""
+    return mesh.look is not None and mesh.look.colors is not None and bool(np.any(mesh.look.colors != 1.0))
+
+
+def textures_of(robot: Robot, folder: Path, note: Note) -> TextureImages:
+    """The image files of a robot, in the folder `MESHES` below `folder`."""
+    return TextureImages(folder / MESHES, materials_of(visual.mesh for link in robot.links for visual in link.visuals), note)
+
+
+def write_robot_meshes(robot: Robot, folder: Path, textures: TextureImages) -> None:
     """Write all mesh files of a robot into the folder `MESHES` below `folder`, in the frame of the robot."""
     place = folder / MESHES
     place.mkdir(parents=True, exist_ok=True)
     for link in robot.links:
         for visual in link.visuals:
-            write_obj(place / mesh_file(visual), solid_enough(visual.mesh, robot.diagonal))
+            write_obj(place / mesh_file(visual), solid_enough(visual.mesh, robot.diagonal), textures)
         for collision in link.collisions:
             if (mesh := collision_mesh(collision)) is not None:
                 write_obj(place / mesh_file(collision), mesh)
@@ -56,4 +115,4 @@ def solid_enough(mesh: Mesh, diagonal: float) -> Mesh:
     aside = 0.5 * SHEET_DISTANCE * diagonal * axes[2]
     front = np.einsum("fx,x->f", np.cross(*np.moveaxis(np.diff(mesh.triangles, axis=1), 1, 0)), axes[2]).sum() >= 0.0
     above, below = (aside, -aside) if front else (-aside, aside)
-    return join(Mesh(mesh.vertices + above, mesh.faces), Mesh(mesh.vertices + below, mesh.faces[:, ::-1]))
+    return join(mesh.moved(np.eye(3), above), mesh.moved(np.eye(3), below).flipped)

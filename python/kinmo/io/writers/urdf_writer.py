@@ -13,7 +13,16 @@ from pathlib import Path
 from kinmo.core.frames import roll_pitch_yaw
 from kinmo.core.oriented_box import Box
 from kinmo.core.vector import Vector
-from kinmo.io.writers.robot_meshes import MESHES, mesh_file, write_robot_meshes
+from kinmo.io.writers.robot_meshes import (
+    MESHES,
+    has_colors,
+    mesh_file,
+    shown_material,
+    textures_of,
+    with_single_materials,
+    write_robot_meshes,
+)
+from kinmo.io.writers.texture_images import TextureImages
 from kinmo.io.writers.writer import ExportedObject
 from kinmo.io.writers.xml_files import numbers, write_xml
 from kinmo.robot.robot import Collision, Inertial, Robot, RobotJoint, RobotLink, Visual
@@ -24,34 +33,57 @@ MeshPath = Callable[[Visual | Collision], str]
 
 def write_urdf(exported: ExportedObject, folder: Path) -> Path:
     """Write a URDF, and OBJ files for it (see `kinmo.io.writers.writer.Writer`)."""
-    robot = exported.robot
-    write_robot_meshes(robot, folder)
-    root = robot_element(robot, lambda item: f"{MESHES}/{mesh_file(item)}")
+    robot = with_single_materials(exported.robot)
+    textures = textures_of(robot, folder, lambda line: exported.note(f"urdf: {line}"))
+    write_robot_meshes(robot, folder, textures)
+    root = robot_element(
+        robot, lambda item: f"{MESHES}/{mesh_file(item)}", material_of=lambda visual: material_element(visual, textures)
+    )
+    if any(has_colors(visual.mesh) for link in robot.links for visual in link.visuals):
+        exported.note("urdf: the colours of vertices are in the OBJ files alone; the URDF has their mean for each part")
     extension = ET.Element("mujoco")
     ET.SubElement(extension, "compiler", meshdir=MESHES, strippath="true")
     root.insert(0, extension)
     return write_xml(root, folder / f"{exported.options.name}.urdf")
 
 
-def robot_element(robot: Robot, path_of: MeshPath, files_rpy: Vector | None = None) -> ET.Element:
+def material_element(visual: Visual, textures: TextureImages) -> ET.Element | None:
+    """The `<material>` of a visual with one material at most. None if it has none."""
+    material = shown_material(visual.mesh)
+    if material is None:
+        return None
+    element = ET.Element("material", name=f"{visual.name}_material")
+    ET.SubElement(element, "color", rgba=numbers(material.base_color))
+    if material.image is not None and (file := textures.file(material.image)) is not None:
+        ET.SubElement(element, "texture", filename=f"{MESHES}/{file}")
+    return element
+
+
+def robot_element(
+    robot: Robot,
+    path_of: MeshPath,
+    files_rpy: Vector | None = None,
+    material_of: Callable[[Visual], ET.Element | None] = lambda visual: None,
+) -> ET.Element:
     """The `<robot>` element.
 
     Args:
         robot: The robot.
         path_of: Its mesh files.
         files_rpy: Roll, pitch and yaw [3] from the frame of the files to that of the robot. None if they are in that frame.
+        material_of: The element `<material>` of each part, or None.
     """
     root = ET.Element("robot", name=robot.name)
     rpy = "0 0 0" if files_rpy is None else numbers(files_rpy)
     for index, link in enumerate(robot.links):
-        root.append(_link(link, path_of, rpy))
+        root.append(_link(link, path_of, rpy, material_of))
         joint = robot.joint_of(index)
         if joint is not None:
             root.append(_joint(robot, joint))
     return root
 
 
-def _link(link: RobotLink, path_of: MeshPath, rpy: str) -> ET.Element:
+def _link(link: RobotLink, path_of: MeshPath, rpy: str, material_of: Callable[[Visual], ET.Element | None]) -> ET.Element:
     element = ET.Element("link", name=link.name)
     element.append(_inertial(link.inertial, link.origin))
     for item in (*link.visuals, *link.collisions):
@@ -64,6 +96,8 @@ def _link(link: RobotLink, path_of: MeshPath, rpy: str) -> ET.Element:
         else:
             ET.SubElement(piece, "origin", xyz=numbers(-link.origin), rpy=rpy)
             ET.SubElement(ET.SubElement(piece, "geometry"), "mesh", filename=path_of(item))
+        if isinstance(item, Visual) and (material := material_of(item)) is not None:
+            piece.append(material)
     return element
 
 

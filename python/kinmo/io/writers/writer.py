@@ -47,11 +47,18 @@ class ExportedObject:
         shape: the shape.
         result: a prediction, or a bare mobility such as an annotation, in the frame and the length unit of the shape.
         options: the settings.
+        notes: one line for everything that a format cannot carry. Writers add to it.
     """
 
     shape: Shape
     result: ShapeEstimate | Mobility
     options: ExportOptions
+    notes: list[str] = field(default_factory=list)
+
+    def note(self, line: str) -> None:
+        """Add a note, unless it is there."""
+        if line not in self.notes:
+            self.notes.append(line)
 
     @property
     def mobility(self) -> Mobility:
