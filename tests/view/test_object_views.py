@@ -68,7 +68,16 @@ def test_a_wrong_correction_is_named(result: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_the_server_ends_cleanly(number: signal.Signals, result: Path) -> None:
     pytest.importorskip("viser", reason="viser is not installed")
-    command = [sys.executable, "-c", "from kinmo.cli import main; main()", "view", str(result), "--no-browser", "--port", "18300"]
+    command = [
+        sys.executable,
+        "-c",
+        "from kinmo.cli import main; main()",
+        "view",
+        str(result),
+        "--no-browser",
+        "--port",
+        "18300",
+    ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ})
     assert process.stderr is not None
     line = process.stderr.readline()
@@ -85,7 +94,9 @@ def test_a_preview_has_the_size_and_a_gif_moves(result: Path, tmp_path: Path, mo
     from kinmo.view import preview_files
 
     monkeypatch.setattr(preview_files, "FRAMES", 4)
-    code, out, _ = run("render-preview", str(result), "-o", str(tmp_path / "a.png"), "--size", "64", "--transparent", "--before")
+    code, out, _ = run(
+        "render-preview", str(result), "-o", str(tmp_path / "a.png"), "--size", "64", "--transparent", "--before"
+    )
     picture = Image.open(tmp_path / "a.png")
     assert (code, out) == (0, f"{tmp_path / 'a.png'}\n") and picture.mode == "RGBA" and picture.height <= 64
     assert run("render-preview", str(result), "-o", str(tmp_path / "a.gif"), "--size", "64")[0] == 0
@@ -94,7 +105,11 @@ def test_a_preview_has_the_size_and_a_gif_moves(result: Path, tmp_path: Path, mo
 
 @pytest.mark.parametrize(
     ("arguments", "problem"),
-    [(["-o", "a.jpg"], "ends in .png"), (["-o", "a.gif", "--transparent"], "--transparent"), (["-o", "a.gif", "--before"], "--before")],
+    [
+        (["-o", "a.jpg"], "ends in .png"),
+        (["-o", "a.gif", "--transparent"], "--transparent"),
+        (["-o", "a.gif", "--before"], "--before"),
+    ],
 )
 def test_wrong_options_are_one_line(arguments: list[str], problem: str, result: Path) -> None:
     code, _, error = run("render-preview", str(result), *arguments)

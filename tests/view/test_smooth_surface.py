@@ -16,7 +16,9 @@ def mesh_of(solid: trimesh.Trimesh) -> Mesh:
 
 def test_a_sphere_has_the_normals_of_a_sphere() -> None:
     ball = mesh_of(trimesh.creation.icosphere(3))
-    np.testing.assert_allclose(corner_normals(ball), ball.triangles / np.linalg.norm(ball.triangles, axis=-1, keepdims=True), atol=0.02)
+    np.testing.assert_allclose(
+        corner_normals(ball), ball.triangles / np.linalg.norm(ball.triangles, axis=-1, keepdims=True), atol=0.02
+    )
 
 
 @pytest.mark.parametrize("is_welded", [True, False])

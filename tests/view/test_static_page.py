@@ -7,9 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from browser import READY, OpenPage, needs_driven_browser, open_page
 from cabinet_results import cabinet_prediction
+from PIL import Image
 
+import kinmo
 from kinmo.view.object_scene import ObjectScene
 from kinmo.view.scene_building import scene_of
 from kinmo.view.scene_data import scene_json
@@ -136,6 +139,28 @@ def test_dragging_and_the_wheel_change_the_view(shown: OpenPage) -> None:
 def test_the_console_is_silent_and_nothing_is_fetched(shown: OpenPage) -> None:
     assert not shown.complaints
     assert all(url.startswith(("file:", "data:", "blob:")) for url in shown.requests)
+
+
+@needs_driven_browser
+def test_textures_and_colours_of_the_file_can_be_shown(tmp_path: Path) -> None:
+    scene = trimesh.Scene()
+    for place, look in enumerate((Image.new("RGB", (8, 8), (0, 200, 0)), [0.0, 0.0, 0.2122, 1.0])):
+        box = trimesh.creation.box((1, 1, 1), trimesh.transformations.translation_matrix((1.2 * place, 0, 0)))
+        given = {"baseColorTexture": look} if place == 0 else {"baseColorFactor": look}
+        material = trimesh.visual.material.PBRMaterial(**given, metallicFactor=0.0)
+        box.visual = trimesh.visual.TextureVisuals(uv=np.full((len(box.vertices), 2), 0.5), material=material)
+        scene.add_geometry(box, node_name=f"box_{place}")
+    scene.export(tmp_path / "boxes.glb")
+    page = write_static_page([scene_of(kinmo.load(tmp_path / "boxes.glb"))], tmp_path / "page.html")
+    with open_page(page.as_uri()) as opened:
+        opened.page.wait_for_selector(READY)
+        opened.page.get_by_label("Textures", exact=True).check()
+        picture = opened.settled_picture()[:, :800]
+        green, blue = ((picture[..., k] > 60) & (picture.sum(axis=-1) == picture[..., k]) for k in (1, 2))
+        assert green.sum() > 5000 and blue.sum() > 5000
+        brightest = picture[blue][:, 2].max()
+        assert 110 < brightest < 145, "a linear 0.2122 is half of the brightness of a screen"
+        assert not opened.complaints
 
 
 @needs_driven_browser

@@ -51,7 +51,7 @@ const kinmoViewer = (() => {
         const position = get("POSITION"), material = (gltf.materials || [])[primitive.material] || {}, pbr = material.pbrMetallicRoughness || {};
         const index = primitive.indices === undefined ? Float64Array.from({ length: position.count }, (_, i) => i) : floats(primitive.indices).data;
         for (let i = 0; i < position.count; i++) position.data.set(apply(pose, position.data.subarray(3 * i, 3 * i + 3)), 3 * i);
-        return { position: position.data, index, uv: get("TEXCOORD_0"), color: get("COLOR_0"), factor: pbr.baseColorFactor || [1, 1, 1, 1],
+        return { position: position.data, index, uv: get("TEXCOORD_0"), color: get("COLOR_0"), factor: (pbr.baseColorFactor || [1, 1, 1, 1]).map((x, i) => i < 3 ? x ** (1 / 2.2) : x),
           image: texture(pbr.baseColorTexture), hasLook: Boolean(pbr.baseColorFactor || pbr.baseColorTexture || own.COLOR_0 !== undefined) };
       });
       for (const child of node.children || []) visit(child, pose);
@@ -104,7 +104,7 @@ const kinmoViewer = (() => {
       gl_Position = project * q; gl_Position.z -= nearer * gl_Position.w; }`;
   const FRAGMENT = `#version 300 es
     precision highp float; in vec3 n, p; in vec2 t; in vec4 c; uniform vec4 color; uniform float lit, looks, textured; uniform sampler2D image; out vec4 result;
-    void main() { vec4 base = color; if (looks > .5) { base *= c; if (textured > .5) { vec4 s = texture(image, t); base *= s; } if (base.a < .05) discard; }
+    void main() { vec4 base = color; if (looks > .5) { base *= vec4(pow(c.rgb, vec3(1. / 2.2)), c.a); if (textured > .5) { vec4 s = texture(image, t); base *= s; } if (base.a < .05) discard; }
       float shade = 1.; if (lit > .5) { vec3 m = normalize(n); if (dot(m, p) > 0.) m = -m;
         shade = .50 + .10 * m.y + .46 * max(dot(m, normalize(vec3(.45, .40, .90))), 0.) + .08 * max(dot(m, normalize(vec3(-.8, .1, .4))), 0.); }
       result = vec4(base.rgb * min(shade, 1.12), base.a); }`;
