@@ -133,7 +133,7 @@ def test_every_picture_can_be_seen_in_3d(width: int, trained: Trained) -> None:
             assert "true joint" in shown.page.inner_text("#viewer3d")
             assert not shown.scrolls_sideways()
             shown.page.get_by_text("Close", exact=True).click()
-            assert not shown.page.locator("#viewer3d canvas").count()
+            shown.page.wait_for_selector("#viewer3d canvas", state="detached")
         assert not shown.complaints
 
 
