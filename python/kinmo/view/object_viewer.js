@@ -282,6 +282,7 @@ const kinmoViewer = (() => {
       fix.hidden = !changed.length;
       fixText.textContent = changed.map((b) => `[bodies.${JSON.stringify(b.key)}]\nalternative = ${b.option.rank}\n`).join("\n");
     }
+    const counted = (names) => [...new Set(names)].map((name) => { const n = names.filter((x) => x === name).length; return n > 1 ? `${name} ×${n}` : name; }).join(", ");
     function swatch(color) { return element("i", { className: "kv-swatch", style: `background: rgb(${color.map((x) => Math.round(255 * x)).join()})` }); }
     const fixText = element("pre"), fix = element("div", { className: "kv-fix", hidden: true }, element("p", { textContent: "To keep this choice, add to overrides.toml:" }), fixText);
     const list = element("ul", { className: "kv-joints" });
@@ -311,7 +312,7 @@ const kinmoViewer = (() => {
     if (rows.size) tools.append(check("Axes", "axes"));
     if (hasLooks) tools.append(check("Textures", "look"));
     const legend = element("ul", { className: "kv-parts" }, ...bodies.filter((body) => body.parts.length).map((body) =>
-      element("li", {}, swatch(body.color), element("b", { textContent: body.name }), ` ${body.parts.map((part) => part.name).join(", ")}`)));
+      element("li", {}, swatch(body.color), element("b", { textContent: body.name }), ` ${counted(body.parts.map((part) => part.name))}`)));
     panel.append(element("h2", { textContent: scene.name }), element("p", { className: "kv-fact", textContent: scene.facts }), tools,
       ...(rows.size ? [list, fix] : [element("p", { textContent: "No joints." })]), note,
       element("details", { open: bodies.length <= 8 }, element("summary", { textContent: "Parts" }), legend),
