@@ -17,7 +17,7 @@ from kinmo._core import __version__
 from kinmo.cli.app import app, main
 
 COMMANDS = sorted(get_command(app).commands)  # type: ignore[attr-defined]
-WITHOUT_WORKERS = ("report",)
+WITHOUT_WORKERS = ("render-preview", "report", "view")
 """Commands that use one process."""
 PLAIN = {"TERM": "dumb", "NO_COLOR": "1", "COLUMNS": "140"}
 

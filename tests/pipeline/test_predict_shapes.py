@@ -60,6 +60,12 @@ def source_of(folder: Path) -> str:
     return str(json.loads((folder / "joints.json").read_text(encoding="utf-8"))["shape"]["source"])
 
 
+def size_of_robot(urdf: Path) -> float:
+    """Diagonal of the box around all mesh files of a URDF, which are in metres."""
+    points = np.concatenate([trimesh.load_mesh(path).vertices for path in (urdf.parent / "meshes").glob("*.obj")])
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
 @pytest.fixture
 def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PredictShapes:
     """Prediction of the folder `shapes` by the method without joints."""
@@ -309,7 +315,7 @@ def test_shapes_of_the_same_name_go_into_folders_named_by_their_paths(trained: T
         assert source_of(Path(shape["folder"])) == shape["source"]
         size = 100.0 * shape["diagonal"]
         assert f"scene: {size:.0f} m across: set --metres-per-unit if the file is not in metres" in recorder.notes
-        assert 'scale="100.0 100.0 100.0"' in Path(shape["urdf"]).read_text(encoding="utf-8")
+        assert size_of_robot(Path(shape["urdf"])) == pytest.approx(size, rel=1e-6)
     assert stage.plan().steps == (), "it is done"
     for call in (replace(stage, out=tmp_path / "shapes").plan, lambda: replace(stage, out=tmp_path / "shapes").run(Recorder())):
         with pytest.raises(InputError, match="--out: is the folder with the shapes"):
@@ -394,7 +400,7 @@ def test_what_is_stated_is_not_guessed(stage: PredictShapes) -> None:
     assert not [line for line in recorder.notes if line.startswith("guessed")]
     assert (shape["guessed"], shape["category"], shape["up"]) == ({}, "StorageFurniture", [0.0, 1.0, 0.0])
     assert (shape["front"], shape["metres_per_unit"]) == ([1.0, 0.0, 0.0], 0.01)
-    assert 'scale="0.01 0.01 0.01"' in (stage.out / "a" / "a.urdf").read_text(encoding="utf-8")
+    assert size_of_robot(stage.out / "a" / "a.urdf") == pytest.approx(0.01 * shape["diagonal"], rel=1e-6)
 
 
 def test_other_labels_make_another_prediction(stage: PredictShapes, tmp_path: Path) -> None:

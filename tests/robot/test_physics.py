@@ -9,7 +9,7 @@ from articulated import shape_of_boxes
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.io.writers import ExportOptions, export
-from kinmo.robot.physics import MAX_FALL, MIN_DAMPING, Physics
+from kinmo.robot.physics import DECAY, MAX_FALL, Physics
 from kinmo.robot.robot import Robot
 from kinmo.robot.robot_builder import build_robot
 
@@ -45,12 +45,12 @@ def test_parts_fall_slowly_in_mujoco(tmp_path, joint: Joint) -> None:
     assert 0.1 * MAX_FALL < max(speeds) <= 1.01 * MAX_FALL
 
 
-def test_joints_that_gravity_does_not_move_have_little_damping() -> None:
-    upright = Joint(JointKind.REVOLUTE, Y, np.array([0.0, 0.0, 0.0]), 0.0, 1.5)
-    drawer = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0, 0.4)
-    for joint in (upright, drawer):
-        (found,) = robot_with(joint, Physics()).joints
-        assert found.damping == pytest.approx(MIN_DAMPING)
+def test_motion_without_gravity_dies_out() -> None:
+    drawer = robot_with(Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0, 0.4), Physics())
+    assert drawer.joints[0].damping == pytest.approx(DECAY * drawer.links[1].inertial.mass)
+    door = robot_with(Joint(JointKind.REVOLUTE, Y, np.zeros(3), 0.0, 1.5), Physics())
+    mass = door.links[1].inertial.mass
+    assert door.joints[0].damping == pytest.approx(DECAY * mass * (1.0**2 + 0.5**2) / 3.0)
 
 
 def test_stated_damping_counts() -> None:

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from browser import assert_shown_without_complaint, needs_browser
+from browser import READY, assert_shown_without_complaint, needs_browser, needs_driven_browser, open_page
 from trained_workspace import Recorder, Trained
 
 from kinmo.core.errors import InputError
@@ -16,7 +16,7 @@ from kinmo.dataset.store import INDEX
 from kinmo.dataset.workspace import Workspace
 from kinmo.learning.model_folder import METRICS
 from kinmo.pipeline.evaluation.example_predictions import read_examples
-from kinmo.view.html_report import MAX_PICTURES, PICTURED_TOGETHER, Report
+from kinmo.view.html_report import MAX_PICTURES, PICTURED_TOGETHER, Report, SceneBudget
 
 
 def html_of(trained: Trained) -> str:
@@ -118,3 +118,26 @@ def test_a_report_needs_prepared_shapes(tmp_path: Path) -> None:
     for call in (report.plan, lambda: report.run(Recorder())):
         with pytest.raises(InputError, match="run kinmo prepare first"):
             call()
+
+
+@needs_driven_browser
+@pytest.mark.parametrize("width", [1280, 390])
+def test_every_picture_can_be_seen_in_3d(width: int, trained: Trained) -> None:
+    html = trained.outcomes["report"].path
+    with open_page(html.as_uri(), width) as shown:
+        buttons = shown.page.locator(".open3d")
+        assert buttons.count() == html_of(trained).count('<svg class="object"')
+        for place in (0, buttons.count() - 1):
+            buttons.nth(place).click()
+            shown.page.wait_for_selector(READY)
+            assert "true joint" in shown.page.inner_text("#viewer3d")
+            assert not shown.scrolls_sideways()
+            shown.page.get_by_text("Close", exact=True).click()
+            shown.page.wait_for_selector("#viewer3d canvas", state="detached")
+        assert not shown.complaints
+
+
+def test_objects_beyond_the_budget_are_counted() -> None:
+    budget = SceneBudget(left=10)
+    assert (budget.take("12345678"), budget.take("123"), budget.take("12")) == ("12345678", "", "12")
+    assert budget.note().startswith("1 of them without 3D") and budget.note() == ""

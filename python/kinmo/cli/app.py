@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from typer import Exit, Option, Typer
 
-from kinmo.cli import check, export, predict, prepare, pseudo_label, render, report, synth, table, train
+from kinmo.cli import check, export, predict, prepare, pseudo_label, render, render_preview, report, synth, table, train, view
 from kinmo.cli import eval as evaluation
 from kinmo.cli.execute import one_line_errors
 from kinmo.cli.options import CommonOptions
@@ -28,6 +28,7 @@ Start with:
     kinmo train all                    train all networks
     kinmo eval                         the paper's tables
     kinmo predict my_shapes/ -o out/   joints and URDFs for your own shapes
+    kinmo view out/cabinet             look at one in a browser
     kinmo export out/                  the same with your corrections
     kinmo check out/                   tests in simulators
 """
@@ -93,6 +94,8 @@ _register("table", table.table)
 _register("predict", predict.predict)
 _register("export", export.export)
 _register("check", check.check)
+_register("view", view.view, without=["workers"])
+_register("render-preview", render_preview.render_preview, without=["workers"])
 _register("report", report.report, without=["workers"])
 
 

@@ -9,8 +9,8 @@ from kinmo.cli.options import CommonOptions
 def report(options: CommonOptions) -> None:
     """Write one HTML page about the workspace.
 
-    The page shows right and wrong predictions with their axes, summaries of all tables, and folded details: all tables, the
-    data, pseudo labels, training curves and runs. It is one file that fetches nothing.
+    The page shows right and wrong predictions with their axes, each also in 3D, summaries of all tables, and folded details:
+    all tables, the data, pseudo labels, training curves and runs. It is one file that fetches nothing.
 
     For example:
 

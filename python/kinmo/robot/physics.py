@@ -12,8 +12,8 @@ from kinmo.robot.robot import RobotJoint, RobotJointKind, RobotLink
 
 GRAVITY = 9.81
 """In m/s2, along -z."""
-MIN_DAMPING = 0.1
-"""Least damping, in N s/m or N m s/rad."""
+DECAY = 2.0
+"""Rate at which free motion dies out at least, in 1/s. Simulators with explicit time steps bear no damping of light parts."""
 MAX_FALL = 0.5
 """Speed that a part reaches at most when it falls by its weight, in m/s."""
 
@@ -44,7 +44,7 @@ class Physics:
 
 
 def damped(joints: Sequence[RobotJoint], links: Sequence[RobotLink]) -> tuple[RobotJoint, ...]:
-    """Joints with the least damping at which no part falls faster than `MAX_FALL`. Joints that gravity does not move have little.
+    """Joints with the least damping at which no part falls faster than `MAX_FALL`, and free motion dies out.
 
     Args:
         joints: The joints, each after that of its parent.
@@ -62,9 +62,10 @@ def _damping(joint: RobotJoint, moving: Sequence[RobotLink]) -> float:
     body = joined(link.inertial for link in moving)
     weight = GRAVITY * body.mass
     if joint.kind is RobotJointKind.PRISMATIC:
-        return max(MIN_DAMPING, weight * abs(float(joint.axis[2])) / MAX_FALL)
+        return max(DECAY * body.mass, weight * abs(float(joint.axis[2])) / MAX_FALL)
     arm = float(np.linalg.norm(np.cross(joint.axis, body.center - origin)))
     points = [visual.mesh.vertices for link in moving for visual in link.visuals]
     reach = max((float(np.linalg.norm(np.cross(joint.axis, each - origin), axis=1).max()) for each in points), default=0.0)
     moment = weight * arm * float(np.hypot(*joint.axis[:2]))  # the largest one while it turns
-    return max(MIN_DAMPING, moment * reach / MAX_FALL)
+    inertia = float(joint.axis @ body.inertia @ joint.axis) + body.mass * arm**2
+    return max(DECAY * inertia, moment * reach / MAX_FALL)

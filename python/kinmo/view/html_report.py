@@ -34,8 +34,10 @@ from kinmo.pipeline.pseudo_label_files import REPORT as ACCEPTANCE
 from kinmo.pipeline.pseudo_label_files import labels_folder, stage_of
 from kinmo.pipeline.scans.scan_networks import MODEL as SCAN_MODELS
 from kinmo.pipeline.score_urdfs import URDF_FILES
+from kinmo.view.example_shape import example_scene, example_shape
 from kinmo.view.report_page import Page, Picture, Section, Table, render
 from kinmo.view.scan_sections import picture_sections, table_sections
+from kinmo.view.scene_data import scene_json
 from kinmo.view.shape_picture import draw_example
 from kinmo.view.training_curves import line_chart
 
@@ -43,6 +45,8 @@ MAX_PICTURES = 12  # pictures of right predictions, and of wrong ones, for each 
 PICTURED_TOGETHER = (("kinmo", None), ("OBB_fine", "GNN_fine"), ("GNN_fine", "GNN_coarse"))
 """Rows with pictures, and the row drawn beside: the effect of refinement and of fine types (the paper's figures 4, 6, 3)."""
 SECONDS_PER_PICTURE = 1.0
+MAX_SCENE_BYTES = 32 << 20
+"""Largest size of all objects that the page shows in 3D."""
 KEY = (
     "The moving part is blue. Types: R turns, P slides, PR does both; H or V for a horizontal or vertical axis; C or S for an "
     "axis near the part's centre or side. Then the angle to the true axis and the distance from its line in diagonals."
@@ -52,6 +56,28 @@ OUTDATED = (
     "again."
 )
 RELABEL = " The networks have changed since, or labelling was interrupted: run kinmo pseudo-label to update the labels."
+
+
+@dataclass
+class SceneBudget:
+    """Bytes that are left for objects in 3D. Objects that do not fit are counted."""
+
+    left: int = MAX_SCENE_BYTES
+    left_out: int = 0
+
+    def take(self, scene: str) -> str:
+        """The scene, or nothing if there is no space for it."""
+        if len(scene) > self.left:
+            self.left_out += 1
+            return ""
+        self.left -= len(scene)
+        return scene
+
+    def note(self) -> str:
+        """A sentence about the objects that did not fit since the last note."""
+        count, self.left_out = self.left_out, 0
+        limit = MAX_SCENE_BYTES >> 20
+        return f"{count} of them without 3D, as all objects together would take more than {limit} MiB. " if count else ""
 
 
 @dataclass(frozen=True)
@@ -146,17 +172,17 @@ class Report:
 
     def _pictures(self, store: PreparedStore, observer: Observer) -> Iterator[Section]:
         examples = self._examples()
-        key = KEY
+        key, budget = KEY, SceneBudget()
         for row, beside in PICTURED_TOGETHER:
             predicted = [example for example in examples if row in example.predictions]
             roles = {"refined": row} | ({"network": beside} if beside else {})
             for title, wanted in ((f"{row}: right", True), (f"{row}: wrong", False)):
                 own = [example for example in predicted if example.predictions[row].is_ok is wanted]
-                pictures = list(self._draw(store, spread_over_categories(own, MAX_PICTURES), roles, title, observer))
+                pictures = list(self._draw(store, spread_over_categories(own, MAX_PICTURES), roles, title, budget, observer))
                 if pictures:
                     legend = [("truth", "true axis"), *roles.items()]
                     counts = f"{len(own)} of {len(predicted)} true joints of the test shapes, parts given"
-                    text = f"{counts}; {counted(len(pictures), 'picture')}, by category in turn. {key}".rstrip()
+                    text = f"{counts}; {counted(len(pictures), 'picture')}, by category in turn. {budget.note()}{key}".rstrip()
                     yield Section(title, text, pictures=pictures, legend=legend)
                     key = ""
 
@@ -165,17 +191,25 @@ class Report:
         return read_examples(evaluated.path / EXAMPLES) if evaluated.is_current else []
 
     def _draw(
-        self, store: PreparedStore, examples: Sequence[Example], roles: Mapping[str, str], what: str, observer: Observer
+        self,
+        store: PreparedStore,
+        examples: Sequence[Example],
+        roles: Mapping[str, str],
+        what: str,
+        budget: SceneBudget,
+        observer: Observer,
     ) -> Iterator[Picture]:
         for done, example in enumerate(examples):
             try:
                 svg = draw_example(store, example, roles)
+                rows = {row: row for row in roles.values()}
+                scene = budget.take(scene_json(example_scene(example_shape(store, example), example, rows)))
             except InputError as error:
                 observer.note(f"no picture of {example.shape_id}: {error}")
                 continue
             lines = [f"{example.name}: {example.true_type}"]
             lines += [f"{name}: {example.predictions[name].text}" for name in roles.values()]
-            yield Picture(svg, f"{example.category} {example.shape_id}", lines)
+            yield Picture(svg, f"{example.category} {example.shape_id}", lines, scene)
             observer.progress(f"drawing {what}", done + 1, len(examples), example.shape_id)
 
 

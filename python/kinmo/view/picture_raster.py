@@ -48,14 +48,16 @@ class Camera:
         return self.focal * seen[..., :2] / seen[..., 2:] + self.center
 
 
-def front_left(points: F64, up: Vector, size: int) -> Camera:
+def front_left(points: F64, up: Vector, size: int, front: Vector | None = None, side: float = SIDE) -> Camera:
     """Camera with pictures of `size` pixels that sees all points [N, 3] from the front left.
 
-    The front of an object is +z where `up` [3], a unit vector, is y (PartNet's convention), and -y where it is z.
+    The front of an object is `front` [3]. By default it is +z where `up` [3], a unit vector, is y (PartNet's convention), and
+    -y where it is z. The viewer is aside by `side` for one unit along the front.
     """
-    front = np.array([0.0, 0.0, 1.0]) if abs(up[2]) < 0.9 else np.array([0.0, -1.0, 0.0])
+    if front is None:
+        front = np.array([0.0, 0.0, 1.0]) if abs(up[2]) < 0.9 else np.array([0.0, -1.0, 0.0])
     front = front - up * (front @ up)
-    toward = FRONT * front / np.linalg.norm(front) + SIDE * np.cross(up, front) + ABOVE * up
+    toward = FRONT * front / np.linalg.norm(front) + side * np.cross(up, front) + ABOVE * up
     toward /= np.linalg.norm(toward)
     right = np.cross(up, toward)
     right /= np.linalg.norm(right)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
@@ -12,6 +12,7 @@ import jinja2
 from kinmo._core import __version__
 from kinmo.evaluation.tables import DASH, INTERVAL
 from kinmo.evaluation.tables import Table as FigureTable
+from kinmo.view.static_page import viewer_script, viewer_style
 from kinmo.view.training_curves import COLOURS
 
 
@@ -42,11 +43,15 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A drawing of a joint or a scan: trusted `svg` markup with a `title` and `lines` of text below it."""
+    """A drawing of a joint or a scan: trusted `svg` markup with a `title` and `lines` of text below it.
+
+    With a `scene` (JSON by `kinmo.view.scene_data`), the page can show the object in 3D.
+    """
 
     svg: str
     title: str
     lines: Sequence[str] = ()
+    scene: str = ""
 
 
 @dataclass(frozen=True)
@@ -84,5 +89,10 @@ def _template() -> jinja2.Template:
 
 
 def render(page: Page) -> str:
-    """HTML of a page in one file: styles and pictures inline, no script, nothing fetched."""
-    return _template().render(page=page, colours=COLOURS, version=__version__)
+    """HTML of a page in one file: styles and pictures inline, nothing fetched. It has a script if it shows objects in 3D."""
+    viewer = {"script": viewer_script(), "style": viewer_style()} if any(_scenes(page)) else None
+    return _template().render(page=page, colours=COLOURS, version=__version__, viewer=viewer)
+
+
+def _scenes(page: Page) -> Iterator[str]:
+    return (picture.scene for section in page.sections for picture in section.pictures if picture.scene)

@@ -12,15 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
-from kinmo.core.normalisation import Normalisation
 from kinmo.core.shape import Mesh, join
 from kinmo.core.vector import Vector
 from kinmo.dataset.store import PreparedStore
-from kinmo.features.prepared_shape import check_unchanged
-from kinmo.io.discover import ShapeSource
 from kinmo.pipeline.evaluation.example_predictions import Example
+from kinmo.view.example_shape import example_shape
 from kinmo.view.picture_raster import Camera, front_left, shade
 
 SIZE = 300  # width and height of a picture in pixels
@@ -42,23 +39,16 @@ def draw_example(store: PreparedStore, example: Example, roles: Mapping[str, str
 
     Raises InputError if the shape is gone, is not annotated any more, or cannot be read from its source.
     """
-    entry = next((e for e in store.entries if (e.id, e.layout) == (example.shape_id, example.layout)), None)
-    if entry is None:
-        raise InputError(store.folder, f"there is no shape {example.shape_id} any more: run kinmo eval again")
-    prepared = store.load(entry)
-    if prepared.mobility is None or example.body >= len(prepared.mobility.bodies):
-        raise InputError(entry.source, "expected an annotated shape: run kinmo eval again")
-    shape = ShapeSource.of(entry).read()
-    check_unchanged(shape, prepared)
-    frame = Normalisation(prepared.center, prepared.diagonal)
-    bodies = [prepared.mobility.bodies[index] for index in prepared.mobility.descendants(example.body)]
+    shape = example_shape(store, example)
+    assert shape.mobility is not None, "examples are annotated"
+    bodies = [shape.mobility.bodies[index] for index in shape.mobility.descendants(example.body)]
     place = {leaf: position for position, leaf in enumerate(shape.leaves)}
     moving = frozenset(place[leaf] for body in bodies for leaf in body.leaves)
-    joints = {"truth": prepared.mobility.bodies[example.body].joint}
+    joints = {"truth": shape.mobility.bodies[example.body].joint}
     joints |= {role: example.predictions[row].joint for role, row in roles.items()}
     axes = (Axis(joint, role) for role, joint in joints.items() if joint is not None)
     label = f"{example.category} {example.shape_id}: {example.name}"
-    return object_picture(tuple(map(frame.mesh, shape.meshes())), moving, tuple(axes), prepared.up, label)
+    return object_picture(tuple(shape.meshes()), moving, tuple(axes), np.asarray(shape.up, float), label)
 
 
 def object_picture(meshes: tuple[Mesh, ...], moving: frozenset[int], axes: tuple[Axis, ...], up: Vector, label: str) -> str:

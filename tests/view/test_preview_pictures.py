@@ -1,0 +1,77 @@
+"""Previews: what moves changes the picture, in its colour, and the rest stays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cabinet_results import cabinet_prediction
+
+from kinmo.view.body_colors import RESTING
+from kinmo.view.object_scene import ObjectScene
+from kinmo.view.preview_pictures import Preview, PreviewStyle
+from kinmo.view.scene_building import scene_of
+
+SIZE = 96
+PLAIN = PreviewStyle(SIZE, has_axes=False, has_shadow=False, background=None)
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> ObjectScene:
+    return scene_of(cabinet_prediction(tmp_path_factory.mktemp("cabinet")))
+
+
+def hues(picture: np.ndarray) -> np.ndarray:
+    """Colours [N, 3] of opaque pixels, divided by their brightness."""
+    colors = picture[picture[..., 3] == 255][:, :3].astype(float)
+    return colors / np.maximum(colors.max(axis=1, keepdims=True), 1.0)
+
+
+def share_like(picture: np.ndarray, color: tuple[float, ...]) -> float:
+    """Share of the opaque pixels that have the hue of a colour."""
+    return float((np.abs(hues(picture) - np.array(color) / max(color)).max(axis=1) < 0.05).mean())
+
+
+def test_each_body_is_seen_in_its_colour(scene: ObjectScene) -> None:
+    picture = np.asarray(Preview(scene, PLAIN).strip([{}]))
+    for body in scene.bodies:
+        assert share_like(picture, body.color) > 0.001, body.name
+
+
+def test_the_first_picture_may_be_grey(scene: ObjectScene) -> None:
+    picture = np.asarray(Preview(scene, PLAIN).strip([{}], begins_grey=True))
+    half = (picture.shape[1] - round(0.04 * SIZE)) // 2
+    assert share_like(picture[:, :half], RESTING) > 0.9
+    assert share_like(picture[:, -half:], RESTING) < 0.6
+
+
+def test_a_joint_value_changes_the_picture(scene: ObjectScene) -> None:
+    preview = Preview(scene, PLAIN)
+    picture = np.asarray(preview.strip([{}, {3: 0.2}, {}]), int)
+    gap = round(0.04 * SIZE)
+    width = (picture.shape[1] - 2 * gap) // 3
+    rest, opened, again = (picture[:, place * (width + gap) :][:, :width] for place in range(3))
+    np.testing.assert_array_equal(rest, again)
+    assert 0.02 < (np.abs(opened - rest).sum(axis=-1) > 40).mean() < 0.8
+
+
+def test_axes_add_their_colour(scene: ObjectScene) -> None:
+    plain, drawn = (
+        np.asarray(Preview(scene, PreviewStyle(SIZE, has_axes=axes, has_shadow=False, background=None)).strip([{}]))
+        for axes in (False, True)
+    )
+    assert drawn[..., 3].astype(bool).sum() != plain[..., 3].astype(bool).sum()
+
+
+def test_a_transparent_picture_has_a_shadow_below_alone(scene: ObjectScene) -> None:
+    style = PreviewStyle(SIZE, has_axes=False, has_shadow=True, background=None)
+    alpha = np.asarray(Preview(scene, style).strip([{}]))[..., 3]
+    faint = (alpha > 0) & (alpha < 80)
+    assert faint[len(alpha) // 2 :].sum() > 5 * faint[: len(alpha) // 3].sum()
+
+
+def test_frames_open_and_close_in_squares(scene: ObjectScene) -> None:
+    style = PreviewStyle(48, samples=1)
+    frames = [np.asarray(frame, int) for frame in Preview(scene, style).frames(4)]
+    assert all(frame.shape == (48, 48, 3) for frame in frames)
+    assert np.abs(frames[0] - frames[2]).sum() > 0
+    assert all((frame[[0, -1]] == 255).all() for frame in frames), "nothing is cut off"
