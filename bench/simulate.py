@@ -1,8 +1,10 @@
 """How many exported objects work in simulators: they load, stay at rest, move, and agree with kinmo's kinematics.
 
-`kinmo check` makes the tests (docs/background/metrics.md, "Simulators"). Objects are exported with the predicted joints and, where
---true asks for it, with the annotated ones: the upper bound. A joint is safe if at most 1 % of the probes of its body hit a part
-on the way through the exported range. Parts that touch the body at rest do not count.
+`kinmo check` makes the tests (docs/background/metrics.md, "Simulators"). Objects are exported with the predicted joints, and
+by --true with the annotated ones too: the upper bound.
+
+A joint is safe if at most 1 % of the probes of its body hit a part on the way through the exported range. Parts that touch the
+body at rest do not count.
 
 Usage:
     python bench/simulate.py RESULTS OUT [--formats urdf,mjcf,usd] [--true] [--limit N] [--workers N] [--quick]

@@ -33,7 +33,9 @@ def robot_with(joint: Joint, physics: Physics) -> Robot:
 def test_parts_fall_slowly_in_mujoco(tmp_path, joint: Joint) -> None:
     mujoco = pytest.importorskip("mujoco")
     shape = shape_with(joint)
-    path = export(shape, shape.mobility, tmp_path / "out", ["mjcf"], ExportOptions(collision="none", physics=Physics(density=900.0)))
+    path = export(
+        shape, shape.mobility, tmp_path / "out", ["mjcf"], ExportOptions(collision="none", physics=Physics(density=900.0))
+    )
     model = mujoco.MjModel.from_xml_path(str(path["mjcf"]))
     data = mujoco.MjData(model)
     reach = 1.0 if joint.kind is JointKind.PRISMATIC else float(np.hypot(0.1, 0.5))
@@ -59,6 +61,8 @@ def test_stated_damping_counts() -> None:
 
 
 def test_a_part_may_have_another_density() -> None:
-    light, heavy = (robot_with(HINGE, Physics(part_densities=densities)).links[1].inertial for densities in ({}, {"part 1": 700.0}))
+    light, heavy = (
+        robot_with(HINGE, Physics(part_densities=densities)).links[1].inertial for densities in ({}, {"part 1": 700.0})
+    )
     assert heavy.mass == pytest.approx(7.0 * light.mass)
     assert heavy.center == pytest.approx(light.center)

@@ -43,6 +43,10 @@ class Physics:
         return self.part_densities.get(part, self.density)
 
 
+DEFAULT_PHYSICS = Physics()
+"""What a user gets who states nothing."""
+
+
 def damped(joints: Sequence[RobotJoint], links: Sequence[RobotLink]) -> tuple[RobotJoint, ...]:
     """Joints with the least damping at which no part falls faster than `MAX_FALL`, and free motion dies out.
 

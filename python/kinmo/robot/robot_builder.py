@@ -18,7 +18,7 @@ from kinmo.core.vector import Vector
 from kinmo.robot.clearance import with_clearance
 from kinmo.robot.collision_geometry import CollisionMode, collision_shapes
 from kinmo.robot.inertia import inertial_of
-from kinmo.robot.physics import Physics, damped
+from kinmo.robot.physics import DEFAULT_PHYSICS, Physics, damped
 from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind, RobotLink, Visual
 
 NAME_ENDINGS = ("", "_joint", "_slide", "_slide_joint")
@@ -31,7 +31,7 @@ def build_robot(
     metres_per_unit: float = 1.0,
     *,
     collision: CollisionMode = "none",
-    physics: Physics = Physics(),
+    physics: Physics = DEFAULT_PHYSICS,
 ) -> Robot:
     """The robot of a shape.
 

@@ -12,8 +12,8 @@ from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
 from kinmo.robot.collision_geometry import CollisionMode
-from kinmo.robot.robot import Robot
 from kinmo.robot.physics import Physics
+from kinmo.robot.robot import Robot
 from kinmo.robot.robot_builder import build_robot
 
 
