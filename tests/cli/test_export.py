@@ -15,6 +15,7 @@ from trained_workspace import contents
 from typer.testing import CliRunner
 
 from kinmo.cli.app import app, main
+from kinmo.io.writers import WRITERS
 
 GUIDE = ROOT / "docs" / "guide" / "correct.md"
 PLAIN = {"TERM": "dumb", "NO_COLOR": "1", "COLUMNS": "140"}
@@ -121,7 +122,7 @@ def test_a_changed_or_missing_file_is_one_line_and_exit_code_1(folder: Path, run
     ("arguments", "message"),
     [
         ("nowhere", "nowhere: no such folder"),
-        ("out --formats lego", "formats: unknown format lego; expected one of joints_json, partnet_mobility, urdf"),
+        ("out --formats lego", f"formats: unknown format lego; expected one of {', '.join(WRITERS)}"),
         ("out -o cabinet.glb", "cabinet.glb: is a file: name a folder"),
         ("out -o out/cabinet", "--out: lies in the result out/cabinet: name a folder elsewhere"),
     ],

@@ -208,6 +208,7 @@ class Prediction:
         metres_per_unit: float | None = None,
         collision: CollisionMode = DEFAULT_MODE,
         physics: Physics | None = None,
+        package: str = "",
         overwrite: bool = False,
     ) -> dict[str, Path]:
         """Write the shape with its joints.
@@ -216,11 +217,14 @@ class Prediction:
 
         Args:
             folder: The folder to write.
-            formats: Names of formats (`kinmo.io.writers.WRITERS`): "urdf", "mjcf", "glb", "joints_json", "partnet_mobility".
+            formats: Names of formats (`kinmo.io.writers.WRITERS`): "urdf", "mjcf", "usd", "glb", "joints_json",
+                "partnet_mobility".
             name: Name of the model; None for the folder's name.
             metres_per_unit: Length of a unit of the shape's file in metres. None for that of the shape.
             collision: How parts collide: as "convex" pieces, as the "hull" of each part, as their "mesh", or "none".
             physics: Density of the parts, and constants of the joints. None for kinmo's own.
+            package: ROS package that the folder will be: URDFs name their files as package://<package>/.... Empty for relative
+                paths.
             overwrite: Replace a folder with files in it, as a whole. An overrides.toml in it stays.
 
         Returns:
@@ -239,7 +243,12 @@ class Prediction:
         if not 0.0 < scale < math.inf:
             raise InputError("metres_per_unit", f"expected a positive number, got {scale}")
         options = ExportOptions(
-            name or folder.name, scale, provenance=self.provenance, collision=collision, physics=physics or Physics()
+            name or folder.name,
+            scale,
+            provenance=self.provenance,
+            collision=collision,
+            physics=physics or Physics(),
+            package=package,
         )
         texts = self._overrides_text(folder) if "joints_json" in formats else {}
         written = write_result(self.shape, self.estimate, folder, formats, options, texts=texts)

@@ -29,6 +29,12 @@ def export(
     collision: Annotated[
         CollisionName | None, Option(help="How parts collide in a simulator.", show_default="as before")
     ] = None,
+    package: Annotated[
+        str | None,
+        Option(
+            metavar="NAME", help='ROS package in the paths of URDFs: package://NAME/.... "" for none.', show_default="as before"
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         Option("--out", "-o", help="Folder for the exports; each result gets a folder in it.", show_default="in place"),
@@ -50,8 +56,9 @@ def export(
         kinmo export out/cabinet
         kinmo export out/ --dry-run
         kinmo export out/cabinet --format urdf,mjcf -o robots/
+        kinmo export out/cabinet --format urdf --package cabinet_description -o ros/
         kinmo export out/ --format partnet_mobility -o my_data/
     """
     from kinmo.pipeline.export_results import ExportResults
 
-    execute(options, ExportResults(results, names_in(formats or ""), out, source, options.worker_count, collision))
+    execute(options, ExportResults(results, names_in(formats or ""), out, source, options.worker_count, collision, package))

@@ -53,7 +53,11 @@ def predict(
     ] = None,
     formats: Annotated[
         str,
-        Option("--format", metavar="NAMES", help="Formats beside joints.json, with commas between: urdf, mjcf, ..."),
+        Option(
+            "--format",
+            metavar="NAMES",
+            help="Formats beside joints.json, with commas between: urdf, mjcf, usd, glb, partnet_mobility.",
+        ),
     ] = "urdf",
     collision: Annotated[CollisionName, Option(help="How parts collide in a simulator.")] = "convex",
     cluster: Cluster = None,

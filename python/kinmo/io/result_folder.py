@@ -88,6 +88,8 @@ def read_result(folder: Path, source: Path | None = None) -> SavedResult:
         raise export["metres_per_unit"].fail("expected a positive number")
     name, formats = export["name"].text(), tuple(item.text() for item in export["formats"].items())
     options = ExportOptions(name, scale, provenance=provenance, formats=formats, collision=_collision(export["collision"]))
+    if not export["package"].is_absent:
+        options = replace(options, package=export["package"].text())
     return SavedResult(shape, estimate, options)
 
 

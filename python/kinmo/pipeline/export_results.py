@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
@@ -33,6 +34,8 @@ from kinmo.robot.collision_geometry import CollisionMode
 
 SECONDS_PER_RESULT = 1.0  # estimate, for one CPU core
 JOBS_PER_PROCESS = 8
+PACKAGE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+"""Names of ROS packages."""
 MAX_LISTED_RESULTS = 10  # largest number of results whose joints are listed on the terminal
 
 
@@ -50,6 +53,7 @@ class ExportResults:
     source: Path | None = None  # file of the shape, if it is no longer where joints.json says; for one prediction alone
     workers: int = 1
     collision: CollisionMode | None = None  # how parts collide; None for that of each result
+    package: str | None = None  # ROS package in the paths of URDFs; None for that of each result
 
     def plan(self) -> Plan:
         """Read all predictions and corrections."""
@@ -123,6 +127,8 @@ class ExportResults:
     def _folders(self) -> list[Path]:
         """Folders of all predictions. Raises InputError if there is none, or an option is wrong."""
         check_formats(self.formats)
+        if self.package and not PACKAGE_NAME.fullmatch(self.package):
+            raise InputError("--package", f"expected a name of letters, digits, - and _, got {clean_text(self.package)}")
         folders = [folder for folder in find_results(self._root) if not self._is_own_export(folder)]
         if not folders:
             raise InputError(self.results, f"expected a result of kinmo predict, with {FILE_NAME}, at or below it")
@@ -147,7 +153,7 @@ class ExportResults:
                 raise InputError("--out", f"lies in the result {folder}: name a folder elsewhere")
             real = target.resolve()
             replaced = files_of(caches[real.parent], real.name)
-            jobs.append(ExportJob(folder, target, self.formats, self.source, replaced, self.collision))
+            jobs.append(ExportJob(folder, target, self.formats, self.source, replaced, self.collision, self.package))
         return jobs
 
     def _name(self, folder: Path) -> str:

@@ -42,6 +42,7 @@ class ExportJob:
         source: the file of the shape; None for the one that joints.json names.
         replaced: files of `target` that kinmo wrote, which are replaced. Other files stay.
         collision: how parts collide; None for that of the result.
+        package: ROS package in the paths of URDFs; None for that of the result.
     """
 
     folder: Path
@@ -50,6 +51,7 @@ class ExportJob:
     source: Path | None = None
     replaced: tuple[str, ...] = ()
     collision: CollisionMode | None = None
+    package: str | None = None
 
     @property
     def is_in_place(self) -> bool:
@@ -87,6 +89,7 @@ def corrected_result(job: ExportJob) -> tuple[SavedResult, tuple[str, ...]]:
     own = (*saved.options.formats, JOINTS_JSON)
     formats = (*own, *job.formats) if job.is_in_place else job.formats or own
     options = saved.options if job.collision is None else replace(saved.options, collision=job.collision)
+    options = options if job.package is None else replace(options, package=job.package)
     return replace(saved, estimate=estimate, options=options), tuple(dict.fromkeys(formats))
 
 

@@ -90,6 +90,15 @@ def with_other_rest_values(mobility):
     return Mobility(tuple(bodies))
 
 
+def test_files_of_a_ros_package_are_named_by_it(tmp_path):
+    shape = shape_of_boxes([((0, 0, 0), (1, 1, 1))], [Body(0, "base", (1,))])
+    path = write_urdf(shape, shape.mobility, tmp_path / "out", ExportOptions(collision="mesh", package="box_description"))
+    files = [mesh.get("filename") for mesh in ET.parse(path).iter("mesh")]
+    assert len(files) == 2
+    for file in files:
+        assert (tmp_path / "out" / file.removeprefix("package://box_description/")).is_file()
+
+
 @settings(max_examples=15)
 @given(articulated_shapes(ups=UPS))
 def test_all_leaves_are_at_their_place(tmp_path_factory, shape):

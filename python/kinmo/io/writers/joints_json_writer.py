@@ -63,6 +63,7 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOpti
             "metres_per_unit": options.metres_per_unit,
             "formats": list(options.formats),
             "collision": options.collision,
+            **({"package": options.package} if options.package else {}),
         },
         "bodies": _bodies(shape, prediction),
     }

@@ -36,8 +36,9 @@ def write_urdf(exported: ExportedObject, folder: Path) -> Path:
     robot = with_single_materials(exported.robot)
     textures = textures_of(robot, folder, lambda line: exported.note(f"urdf: {line}"))
     write_robot_meshes(robot, folder, textures)
+    place = f"package://{exported.options.package}/{MESHES}" if exported.options.package else MESHES
     root = robot_element(
-        robot, lambda item: f"{MESHES}/{mesh_file(item)}", material_of=lambda visual: material_element(visual, textures)
+        robot, lambda item: f"{place}/{mesh_file(item)}", material_of=lambda visual: material_element(visual, textures, place)
     )
     if any(has_colors(visual.mesh) for link in robot.links for visual in link.visuals):
         exported.note("urdf: the colours of vertices are in the OBJ files alone; the URDF has their mean for each part")
@@ -47,15 +48,15 @@ def write_urdf(exported: ExportedObject, folder: Path) -> Path:
     return write_xml(root, folder / f"{exported.options.name}.urdf")
 
 
-def material_element(visual: Visual, textures: TextureImages) -> ET.Element | None:
-    """The `<material>` of a visual with one material at most. None if it has none."""
+def material_element(visual: Visual, textures: TextureImages, place: str = MESHES) -> ET.Element | None:
+    """The `<material>` of a visual with one material at most. None if it has none. `place` is the folder of the images."""
     material = shown_material(visual.mesh)
     if material is None:
         return None
     element = ET.Element("material", name=f"{visual.name}_material")
     ET.SubElement(element, "color", rgba=numbers(material.base_color))
     if material.image is not None and (file := textures.file(material.image)) is not None:
-        ET.SubElement(element, "texture", filename=f"{MESHES}/{file}")
+        ET.SubElement(element, "texture", filename=f"{place}/{file}")
     return element
 
 

@@ -29,6 +29,7 @@ class ExportOptions:
         formats: all formats of the export, keys of `kinmo.io.writers.WRITERS`.
         collision: how parts collide in a simulator.
         physics: density of parts, and constants of joints.
+        package: ROS package that holds the files: URDFs name them as package://<package>/.... Empty for relative paths.
     """
 
     name: str = "model"
@@ -38,6 +39,7 @@ class ExportOptions:
     formats: tuple[str, ...] = ()
     collision: CollisionMode = "convex"
     physics: Physics = field(default_factory=Physics)
+    package: str = ""
 
 
 @dataclass(frozen=True, eq=False)
