@@ -82,7 +82,7 @@ class PybulletSimulator:
         self._reset()
         pybullet.setGravity(*GRAVITY, physicsClientId=self._client)
         zeros = [0.0] * len(self._moving)
-        torques = pybullet.calculateInverseDynamics(self._body, zeros, zeros, zeros, physicsClientId=self._client)
+        torques = pybullet.calculateInverseDynamics(self._body, zeros, zeros, zeros, physicsClientId=self._client) or zeros
         fastest, before = 0.0, self._origins()
         is_finite = True
         for _ in range(round(seconds / TIME_STEP)):
