@@ -143,7 +143,7 @@ def score_form(truth: Shape, form: str, predictor: AnyPredictor, folder: Path, s
     bodies = Mobility(())
     try:
         prediction = predictor.predict(replace(shown, mobility=None))
-        urdf, joints = prediction.export(folder / "predicted", ["urdf"])["urdf"], prediction.joints
+        urdf, joints = prediction.export(folder / "predicted", ["urdf"], collision="none")["urdf"], prediction.joints
         bodies = prediction.estimate.mobility
     except (InputError, ValueError) as error:
         print(f"{truth.id}, {form}: no prediction: {error}", file=sys.stderr)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from articulated import shape_of_boxes
+from exports import write_partnet_mobility
 
 import forms
 import kinmo
@@ -16,7 +17,6 @@ from kinmo.core.mobility import Body
 from kinmo.core.motion_types import MotionType
 from kinmo.core.shape import Mesh
 from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
-from kinmo.io.writers.partnet_mobility_writer import write_partnet_mobility
 
 HINGE = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 0.0, 1.5)
 SLIDE = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0, 0.6)

@@ -60,7 +60,7 @@ class OpenPage:
 
     def picture(self) -> np.ndarray:
         """Pixels [height, width, 3] of the window, as integers."""
-        return np.asarray(Image.open(io.BytesIO(self.page.screenshot())).convert("RGB"), int)
+        return np.asarray(Image.open(io.BytesIO(self.page.screenshot(timeout=180_000))).convert("RGB"), int)
 
     def settled_picture(self) -> np.ndarray:
         """The picture when it has stopped changing."""

@@ -84,3 +84,11 @@ def test_a_missing_mesh_is_a_load_error(tmp_path, load) -> None:
         mesh.unlink()
     with pytest.raises(LoadError):
         load(path)
+
+
+def test_a_screw_agrees(tmp_path, load) -> None:
+    screw = Joint(JointKind.SCREW, np.array([0.0, 0.0, 1.0]), np.array([0.5, 0.5, 0.0]), 0.0, 0.3)
+    shape = shape_with(screw)
+    kinematics = expected_kinematics(shape.mobility, np.array(shape.up), 1.0)
+    check = check_object("", load(urdf_of(shape, tmp_path, "none")), kinematics, shape.diagonal)
+    assert check.agrees, check.problems

@@ -48,6 +48,11 @@ def expected_kinematics(mobility: Mobility, up: Vector, metres_per_unit: float) 
             else:
                 main[link.body] = rest + (value if link.joint.has_pivot else value / metres_per_unit)
         poses: NDArray[np.float64] = frame @ forward(mobility, main, angles) @ back
-        return {own[0]: np.eye(4) if link.body is None else poses[link.body] for link, own in zip(links, names, strict=True)}
+        found = {own[0]: np.eye(4) if link.body is None else poses[link.body] for link, own in zip(links, names, strict=True)}
+        for link, (_, _, slide_link, _) in zip(links, names, strict=True):
+            if link.body in angles:  # the light link of a screw slides, but does not turn
+                still = {body: angle for body, angle in angles.items() if body != link.body}
+                found[slide_link] = frame @ forward(mobility, main, still)[link.body] @ back
+        return found
 
     return motions
