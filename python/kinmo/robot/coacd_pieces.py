@@ -50,7 +50,10 @@ def cache_folder() -> Path:
     if own:
         return Path(own)
     place = os.environ.get("XDG_CACHE_HOME")
-    return (Path(place) if place else Path.home() / ".cache") / "kinmo"
+    try:
+        return (Path(place) if place else Path.home() / ".cache") / "kinmo"
+    except RuntimeError:  # the user has no home
+        return Path(tempfile.gettempdir()) / "kinmo"
 
 
 def divided(surfaces: Sequence[Mesh]) -> list[list[Points] | None]:
