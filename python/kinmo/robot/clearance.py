@@ -136,7 +136,7 @@ def with_clearance(robot: Robot) -> Robot:
     if not pieces:
         return robot
     gap = GAP * robot.diagonal
-    below = [_below(robot, index) for index in range(len(robot.links))]
+    below = [robot.links_below(index) for index in range(len(robot.links))]
     groups: dict[int, tuple[_Group, _Group]] = {}
     for joint in robot.joints:
         moving = [piece for piece in pieces if piece.link in below[joint.child]]
@@ -160,7 +160,7 @@ def with_clearance(robot: Robot) -> Robot:
     for index, link in enumerate(robot.links):
         surfaces = [each for each in link.collisions if not isinstance(each.shape, Box | Hull)]
         links.append(replace(link, collisions=(*kept[index], *surfaces)))
-    return replace(robot, links=tuple(links), joints=tuple(joints), notes=(*robot.notes, *_stops(robot.joints, joints)))
+    return replace(robot, links=tuple(links), joints=tuple(joints))
 
 
 def _cleared(joint: RobotJoint, origin: Vector, moving: _Group, others: _Group, diagonal: float) -> RobotJoint:
@@ -186,27 +186,6 @@ def _cleared(joint: RobotJoint, origin: Vector, moving: _Group, others: _Group, 
 def _drop_smaller(piece: _Piece, other: _Piece) -> None:
     if piece.shape is not None and other.shape is not None:
         (piece if piece.size <= other.size else other).shape = None
-
-
-def _stops(before: Sequence[RobotJoint], after: Sequence[RobotJoint]) -> list[str]:
-    """A note for each joint whose limits were moved."""
-    found = []
-    for old, new in zip(before, after, strict=True):
-        if (old.lower, old.upper) != (new.lower, new.upper) and new.lower is not None and new.upper is not None:
-            unit, scale = ("mm", 1000.0) if new.kind is RobotJointKind.PRISMATIC else ("degrees", math.degrees(1.0))
-            found.append(
-                f"{new.name} stops at {scale * new.lower:.0f} and {scale * new.upper:.0f} {unit}, where it hits another part"
-            )
-    return found
-
-
-def _below(robot: Robot, link: int) -> set[int]:
-    """A link and all links that move along with it."""
-    found = {link}
-    for joint in robot.joints:  # parents come first
-        if joint.parent in found:
-            found.add(joint.child)
-    return found
 
 
 def _motion(joint: RobotJoint, origin: Vector, value: float) -> Pose:

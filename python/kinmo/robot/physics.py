@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from kinmo.robot.inertia import DENSITY, joined
-from kinmo.robot.robot import RobotJoint, RobotJointKind, RobotLink
+from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind, RobotLink
 
 GRAVITY = 9.81
 """In m/s2, along -z."""
@@ -47,18 +47,14 @@ DEFAULT_PHYSICS = Physics()
 """What a user gets who states nothing."""
 
 
-def damped(joints: Sequence[RobotJoint], links: Sequence[RobotLink]) -> tuple[RobotJoint, ...]:
-    """Joints with the least damping at which no part falls faster than `MAX_FALL`, and free motion dies out.
-
-    Args:
-        joints: The joints, each after that of its parent.
-        links: The links, in the frame of the robot.
-    """
-    carried: dict[int, list[int]] = {}
-    for joint in reversed(joints):
-        carried[joint.child] = [joint.child, *carried.get(joint.child, [])]
-        carried.setdefault(joint.parent, []).extend(carried[joint.child])
-    return tuple(replace(joint, damping=_damping(joint, [links[index] for index in carried[joint.child]])) for joint in joints)
+def damped(robot: Robot) -> Robot:
+    """The robot with the least damping at which no part falls faster than `MAX_FALL`, and free motion dies out."""
+    links = robot.links
+    joints = (
+        replace(joint, damping=_damping(joint, [links[index] for index in robot.links_below(joint.child)]))
+        for joint in robot.joints
+    )
+    return replace(robot, joints=tuple(joints))
 
 
 def _damping(joint: RobotJoint, moving: Sequence[RobotLink]) -> float:

@@ -145,6 +145,14 @@ class Robot:
     diagonal: float
     notes: tuple[str, ...] = ()
 
+    def links_below(self, link: int) -> list[int]:
+        """A link, then all links that move along with it."""
+        found = [link]
+        for joint in self.joints:  # parents come first
+            if joint.parent in found:
+                found.append(joint.child)
+        return found
+
     def joint_of(self, link: int) -> RobotJoint | None:
         """The joint that moves a link. None for the base."""
         return None if link == 0 else self.joints[link - 1]

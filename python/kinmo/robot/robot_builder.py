@@ -20,6 +20,7 @@ from kinmo.robot.collision_geometry import CollisionMode, collision_shapes
 from kinmo.robot.inertia import inertial_of
 from kinmo.robot.physics import DEFAULT_PHYSICS, Physics, damped
 from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind, RobotLink, Visual
+from kinmo.robot.safe_limits import stop_notes, with_safe_limits
 
 NAME_ENDINGS = ("", "_joint", "_slide", "_slide_joint")
 """Endings of the names of a link, its joint, and the extra link and joint of a screw."""
@@ -36,7 +37,7 @@ def build_robot(
     """The robot of a shape.
 
     A screw becomes a prismatic and a continuous joint with one axis and a light link between them. A slider without limits may
-    move by the diagonal of the object in both directions.
+    move by the diagonal of the object in both directions. With convex collision geometry, joints stop before parts hit others.
 
     Args:
         shape: The shape.
@@ -72,8 +73,13 @@ def build_robot(
         links.append(RobotLink(name, origin, visuals, (), inertial_of(list(meshes.values()), densities)))
     colliding, notes = _with_collisions(links, diagonal, collision)
     title = unique_names([f"{shape.category}_{shape.id}"])[0]
-    every = tuple(joints) if physics.damping is not None else damped(joints, colliding)
-    return with_clearance(Robot(title, colliding, every, diagonal, notes))
+    robot = Robot(title, colliding, tuple(joints), diagonal, notes)
+    if physics.damping is None:
+        robot = damped(robot)
+    if collision not in ("convex", "hull"):
+        return robot
+    safe = with_clearance(with_safe_limits(robot))
+    return replace(safe, notes=(*safe.notes, *stop_notes(robot.joints, safe.joints)))
 
 
 def _placed(mesh: Mesh, rotation: NDArray[np.float64], scale: float) -> Mesh:
