@@ -9,8 +9,8 @@ from articulated import shape_of_boxes
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.core.oriented_box import Box
-from kinmo.robot.clearance import GAP
-from kinmo.robot.robot import Robot
+from kinmo.robot.clearance import GAP, _Piece
+from kinmo.robot.robot import Collision, Robot
 from kinmo.robot.robot_builder import build_robot
 
 Y = np.array([0.0, 1.0, 0.0])
@@ -82,3 +82,13 @@ def test_parts_of_one_link_may_overlap() -> None:
     shape = shape_of_boxes([CARCASS, door, knob], bodies)
     robot = build_robot(shape, shape.mobility, collision="convex")
     assert [np.prod(box.half_extents) for box in boxes(robot, 1)] == pytest.approx([0.5 * 0.5 * 0.01, 0.025**3])
+
+
+@pytest.mark.parametrize("depth", [1e-6, 1e-4, 0.01])
+def test_cut_shapes_have_a_thickness(depth: float) -> None:
+    piece = _Piece.of(0, Collision("box", 0, Box(np.zeros(3), np.eye(3), np.array([0.5, 0.3, 0.1]))))
+    piece.cut(np.array([0.0, 0.0, 1.0]), 0.1 - depth)
+    shape = piece.shape
+    assert shape is not None
+    thickness = 2.0 * shape.half_extents.min() if isinstance(shape, Box) else np.ptp(shape.mesh.vertices, axis=0).min()
+    assert depth <= thickness <= depth + 0.0011

@@ -38,6 +38,8 @@ MAX_STEPS = 500
 """Most joint values from the pose of the file to a limit that are looked at."""
 FULL_TURN = (-np.pi, np.pi)
 """Range of a continuous joint."""
+MIN_FLATNESS = 1e-3
+"""Least thickness of a cut shape, as a share of its largest extent."""
 EXACT_FILL = 1.0 - 1e-9
 """Share of its box that a cut shape fills if it is a box. A larger box would close the gap again."""
 MAX_NORMALS = 40
@@ -85,7 +87,7 @@ class _Piece:
         share = (low[None, :] / np.maximum(high[:, None] + low[None, :], 1e-300))[..., None]
         between = (share * above[:, None] + (1.0 - share) * below[None, :]).reshape(-1, 3)
         points = np.concatenate([above, between])
-        shape = simplest_shape(hull_of(points, 1e-4 * float(np.ptp(points, axis=0).max())), EXACT_FILL)
+        shape = simplest_shape(hull_of(points, MIN_FLATNESS * float(np.ptp(points, axis=0).max())), EXACT_FILL)
         self.shape = shape
         self.points, self.normals = _points_and_normals(shape)
 

@@ -137,7 +137,7 @@ def simplest_shape(hull: Mesh, fill: float = BOX_FILL) -> CollisionShape:
     """The box of a hull that fills it to the share `fill`, else the hull, with at most `MAX_HULL_VERTICES` vertices."""
     center, axes, half = box_of(hull.vertices)
     volume = float(np.einsum("fx,fx->f", *_cross_and_corner(hull)).sum() / 6.0)
-    if volume >= fill * 8.0 * float(np.prod(half)):
+    if np.all(half > 0.0) and volume >= fill * 8.0 * float(np.prod(half)):
         return Box(center, axes, half)
     return Hull(fewer_vertices(hull))
 
