@@ -29,7 +29,7 @@ def test_a_drawer_stops_before_a_wall() -> None:
     assert safe.joints[0].lower == 0.0
     assert safe.joints[0].upper == pytest.approx(0.38, abs=0.03)
     assert stop_notes(robot.joints, safe.joints) == (
-        f"front_joint stops at 0 and {1000 * safe.joints[0].upper:.0f} mm, where it hits another part",
+        f"front_joint stops at 0 and {1000 * safe.joints[0].upper:.0f} mm: it hits a part or leaves its place beyond",
     )
 
 
@@ -55,3 +55,20 @@ def test_parts_that_touch_at_rest_do_not_stop_it() -> None:
 def test_a_way_that_is_blocked_from_the_start_keeps_its_limit() -> None:
     safe = with_safe_limits(robot_with(SLIDE, ((0.0, 0.0, 0.55), (1.0, 1.0, 0.6))))
     assert safe.joints[0].upper == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize(("travel", "upper"), [(0.3, 0.3), (0.9, 0.45)])
+def test_a_drawer_keeps_an_overlap(travel: float, upper: float) -> None:
+    """The drawer is 0.5 long and inside a case of the same length."""
+    case = [((0.0, 0.0, 0.0), (0.02, 1.0, 0.5)), ((0.98, 0.0, 0.0), (1.0, 1.0, 0.5)), ((0.0, 0.0, 0.0), (1.0, 1.0, 0.01))]
+    drawer = ((0.1, 0.1, 0.02), (0.9, 0.9, 0.5))
+    joint = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0, travel)
+    shape = shape_of_boxes([*case, drawer], [Body(0, "case", (1, 2, 3)), Body(1, "drawer", (4,), 0, joint)])
+    safe = with_safe_limits(build_robot(shape, shape.mobility))
+    assert safe.joints[0].upper == pytest.approx(upper, abs=0.02)
+    assert safe.joints[0].lower == 0.0
+
+
+def test_a_lid_may_leave_its_box() -> None:
+    lid = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), 0.0, 2.0)
+    assert with_safe_limits(robot_with(lid)).joints[0].upper == pytest.approx(2.0)

@@ -22,8 +22,16 @@ MIN_TRAVEL = 0.2
 """Least share of the travel to a limit that is left. Otherwise the limit stays, since the axis may be wrong."""
 
 
+MIN_OVERLAP = 0.1
+"""Share of its length in its parent that a drawer keeps there."""
+MIN_LENGTH = 0.05
+"""Least length of a drawer, in diagonals of the object. Shorter links are buttons and plates."""
+INSIDE = 0.02
+"""Largest distance that a drawer sticks out of its parent's box to the sides, in diagonals of the object."""
+
+
 def with_safe_limits(robot: Robot) -> Robot:
-    """The robot with limits moved to where its parts, as they look, would hit others.
+    """The robot with limits moved to where its parts, as they look, would hit others, and where drawers would fall out.
 
     Parts that touch at rest do not count: they rub at hinges and rails. Links that are below the moving one move along.
     """
@@ -39,7 +47,8 @@ def with_safe_limits(robot: Robot) -> Robot:
         moving, still = (np.flatnonzero(own).tolist() for own in (is_moving, ~is_moving))
         obstacles = _apart(every, meshes, moving, still, TOUCH * robot.diagonal)
         origin = robot.links[joint.child].origin
-        joints.append(_stopped(joint, origin, every, moving, obstacles) if moving and obstacles else joint)
+        stopped = _stopped(joint, origin, every, moving, obstacles) if moving and obstacles else joint
+        joints.append(_kept_inside(stopped, robot))
     return replace(robot, joints=tuple(joints))
 
 
@@ -50,7 +59,7 @@ def stop_notes(before: Sequence[RobotJoint], after: Sequence[RobotJoint]) -> tup
         if (old.lower, old.upper) != (new.lower, new.upper) and new.lower is not None and new.upper is not None:
             unit, scale = ("mm", 1000.0) if new.kind is RobotJointKind.PRISMATIC else ("degrees", math.degrees(1.0))
             ends = f"{scale * new.lower:.0f} and {scale * new.upper:.0f} {unit}"
-            found.append(f"{new.name} stops at {ends}, where it hits another part")
+            found.append(f"{new.name} stops at {ends}: it hits a part or leaves its place beyond")
     return tuple(found)
 
 
@@ -61,6 +70,29 @@ def _apart(every: _core.Meshes, meshes: Sequence[Mesh], moving: Sequence[int], s
     own = _core.Meshes([meshes[index].vertices for index in moving], [meshes[index].faces for index in moving])
     points = np.concatenate([each.astype(np.float64) for each in _core.sample_surface(own, SAMPLES)[0]])
     return [index for index in still if float(_core.closest_points(every, [index], points)[0].min()) > touch]
+
+
+def _kept_inside(joint: RobotJoint, robot: Robot) -> RobotJoint:
+    """A sliding joint that keeps an overlap with its parent, if its link is a drawer: long, and mostly inside its parent."""
+    own, around = (
+        np.concatenate([np.zeros((0, 3)), *(visual.mesh.corners for visual in robot.links[link].visuals)])
+        for link in (joint.child, joint.parent)
+    )
+    is_limited = joint.lower is not None and joint.upper is not None
+    if joint.kind is not RobotJointKind.PRISMATIC or not is_limited or not len(own) or not len(around):
+        return joint
+    frame = np.linalg.svd(np.asarray(joint.axis, float)[None])[2]  # the axis, and two directions across it
+    frame[0] = joint.axis
+    (low, high), (least, most) = ((points.min(axis=0), points.max(axis=0)) for points in (own @ frame.T, around @ frame.T))
+    slack = INSIDE * robot.diagonal
+    inside = float(min(high[0], most[0]) - max(low[0], least[0]))
+    length = float(high[0] - low[0])
+    if length < MIN_LENGTH * robot.diagonal or inside < 0.5 * length:
+        return joint
+    if np.any(low[1:] < least[1:] - slack) or np.any(high[1:] > most[1:] + slack):
+        return joint
+    lower, upper = float(least[0] - high[0]) + MIN_OVERLAP * inside, float(most[0] - low[0]) - MIN_OVERLAP * inside
+    return replace(joint, lower=max(joint.lower or 0.0, min(lower, 0.0)), upper=min(joint.upper or 0.0, max(upper, 0.0)))
 
 
 def _stopped(
