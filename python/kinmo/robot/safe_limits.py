@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from kinmo import _core
-from kinmo.core.shape import Mesh
+from kinmo.core.shape import Mesh, bounds_of
 from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind
 
 TOUCH = 0.005
@@ -67,9 +67,18 @@ def _apart(every: _core.Meshes, meshes: Sequence[Mesh], moving: Sequence[int], s
     """Those of the parts that stay which do not touch a moving one."""
     if not moving or not still:
         return []
+    low, high = bounds_of(meshes[index] for index in moving)
+    near = []
+    for index in still:
+        least, most = meshes[index].vertices.min(axis=0), meshes[index].vertices.max(axis=0)
+        if np.all(least <= high + touch) and np.all(most >= low - touch):
+            near.append(index)
+    if not near:
+        return list(still)
     own = _core.Meshes([meshes[index].vertices for index in moving], [meshes[index].faces for index in moving])
     points = np.concatenate([each.astype(np.float64) for each in _core.sample_surface(own, SAMPLES)[0]])
-    return [index for index in still if float(_core.closest_points(every, [index], points)[0].min()) > touch]
+    touching = {index for index in near if float(_core.closest_points(every, [index], points)[0].min()) <= touch}
+    return [index for index in still if index not in touching]
 
 
 def _kept_inside(joint: RobotJoint, robot: Robot) -> RobotJoint:
