@@ -22,7 +22,7 @@ def export(
             "--format",
             "--formats",
             metavar="NAMES",
-            help="Formats with commas between: urdf, mjcf, usd, joints_json, partnet_mobility.",
+            help="Formats with commas between: urdf, mjcf, usd, glb, joints_json, partnet_mobility.",
             show_default="those that are there",
         ),
     ] = None,

@@ -71,3 +71,10 @@ def roll_pitch_yaw(rotation: NDArray[np.float64]) -> Vector:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Gimbal lock")  # one of the equal angles is as good as another
         return np.asarray(Rotation.from_matrix(rotation).as_euler("xyz"))
+
+
+def quaternion(rotation: NDArray[np.float64]) -> Vector:
+    """The quaternion [4] of a rotation matrix [3, 3], real part first and not negative."""
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+    values = np.array([w, x, y, z])
+    return (-values if w < 0.0 else values) + 0.0

@@ -123,16 +123,19 @@ class Look:
         return [(None if i == NO_MATERIAL else self.materials[i], self.material == i) for i in numbers]
 
 
-def plain_look(triangles: F64) -> Look:
-    """The look of triangles [F, 3, 3] without any: no material, and normals across the faces."""
+def face_normals(triangles: F64) -> F64:
+    """Unit normals [F, 3] of triangles [F, 3, 3]. That of a triangle without an area is the z axis."""
     a, b, c = (triangles[:, corner] for corner in range(3))
     with np.errstate(all="ignore"):
         normals = np.cross(b - a, c - a)
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        normals = np.where(lengths > 0.0, normals / lengths, (0.0, 0.0, 1.0))
-    return Look(
-        (), np.full(len(triangles), NO_MATERIAL, np.int32), normals=np.repeat(normals[:, None], 3, axis=1).astype(np.float32)
-    )
+        return np.where(lengths > 0.0, normals / lengths, (0.0, 0.0, 1.0))
+
+
+def plain_look(triangles: F64) -> Look:
+    """The look of triangles [F, 3, 3] without any: no material, and normals across the faces."""
+    normals = np.repeat(face_normals(triangles)[:, None], 3, axis=1).astype(np.float32)
+    return Look((), np.full(len(triangles), NO_MATERIAL, np.int32), normals=normals)
 
 
 def join_looks(looks: Sequence[Look | None], triangles: Sequence[F64]) -> Look | None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kinmo.api.prediction import Prediction
 from kinmo.core.errors import InputError
+from kinmo.core.frames import quaternion
 from kinmo.core.shape import Shape, join
 from kinmo.io.writers.glb_writer import glb_bytes
 from kinmo.robot.robot import Robot
@@ -161,7 +162,7 @@ class ObjectServer:
 
     def _place(self, node: Any, pose: NDArray[np.float64]) -> None:
         """Move a node that has scaled geometry."""
-        node.wxyz = _quaternion(pose[:3, :3])
+        node.wxyz = quaternion(pose[:3, :3])
         node.position = self._scale * pose[:3, 3] + self._offset
 
 
@@ -171,11 +172,3 @@ def _viser() -> ModuleType:
     except ImportError:
         raise InputError("viser", "is not installed: pip install 'kinmo[view]'") from None
     return viser
-
-
-def _quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Quaternion [4] of a rotation [3, 3], the real part first."""
-    from scipy.spatial.transform import Rotation
-
-    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
-    return np.array([w, x, y, z])

@@ -14,13 +14,13 @@ from pxr import Gf, Kind, Usd, UsdGeom, UsdPhysics, UsdUtils, UsdValidation
 
 import kinmo
 from kinmo.core.errors import InputError
-from kinmo.core.frames import z_up_rotation
+from kinmo.core.frames import quaternion, z_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.shape import Mesh, Shape
 from kinmo.evaluation.simulation.expected_kinematics import expected_kinematics
 from kinmo.io.writers import ExportOptions, export, write_formats
-from kinmo.io.writers.usd_frames import axis_frame, principal_inertia, quaternion
+from kinmo.io.writers.usd_frames import axis_frame, principal_inertia
 from kinmo.robot.physics import Physics
 from kinmo.robot.robot_builder import build_robot
 

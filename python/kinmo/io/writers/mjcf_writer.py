@@ -27,9 +27,6 @@ from kinmo.io.writers.writer import ExportedObject
 from kinmo.io.writers.xml_files import numbers, write_xml
 from kinmo.robot.robot import Collision, Inertial, Robot, RobotJoint, RobotJointKind, RobotLink
 
-QUATERNION_ORDER = [3, 0, 1, 2]
-"""MuJoCo writes the real part of a quaternion first."""
-
 
 def write_mjcf(exported: ExportedObject, folder: Path) -> Path:
     """Write an MJCF file, and OBJ files for it (see `kinmo.io.writers.writer.Writer`)."""

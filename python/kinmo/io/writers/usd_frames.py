@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
+from kinmo.core.frames import quaternion
 from kinmo.core.vector import Vector
 
 AXES = ("X", "Y", "Z")
@@ -14,13 +14,6 @@ MIN_MOMENT = 1e-12
 
 MAX_NOISE = 1e-12
 """Largest product of inertia that counts as 0, as a share of the largest moment."""
-
-
-def quaternion(rotation: NDArray[np.float64]) -> Vector:
-    """The quaternion [4] of a rotation matrix [3, 3], real part first and not negative."""
-    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
-    values = np.array([w, x, y, z])
-    return (-values if w < 0.0 else values) + 0.0
 
 
 def axis_frame(axis: Vector) -> tuple[str, Vector]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kinmo.core.look import Look, Material
+from kinmo.core.look import Look, Material, face_normals
 from kinmo.core.names import unique_names
 from kinmo.core.shape import Mesh
 from kinmo.io.writers.robot_meshes import MESHES
@@ -59,7 +59,7 @@ class UsdLooks:
 
     def add_normals(self, written: Any, mesh: Mesh) -> None:
         """Add the normals of a mesh, or those of its faces."""
-        normals, way = _face_normals(mesh), self._geom.Tokens.uniform
+        normals, way = face_normals(mesh.triangles).astype(np.float32), self._geom.Tokens.uniform
         if mesh.look is not None and mesh.look.normals is not None:
             normals, way = _flat(mesh.look.normals), self._geom.Tokens.faceVarying
         written.CreateNormalsAttr(self._vt.Vec3fArray.FromNumpy(normals))
@@ -154,11 +154,3 @@ class UsdLooks:
 def _flat(corners: Any) -> Any:
     """Values [F, 3, width] of corners as one list [3 F, width] in single precision."""
     return np.ascontiguousarray(corners.reshape(-1, corners.shape[-1]), np.float32)
-
-
-def _face_normals(mesh: Mesh) -> Any:
-    """Unit normals [F, 3] of all faces in single precision. That of a face without an area is the z axis."""
-    first, second, third = np.moveaxis(mesh.triangles, 1, 0)
-    normals = np.cross(second - first, third - first)
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.where(lengths > 0.0, normals / np.where(lengths > 0.0, lengths, 1.0), (0.0, 0.0, 1.0)).astype(np.float32)

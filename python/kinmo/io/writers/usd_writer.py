@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from kinmo.core.frames import quaternion
 from kinmo.core.names import unique_names
 from kinmo.core.oriented_box import Box
 from kinmo.core.shape import Mesh
@@ -25,7 +26,7 @@ from kinmo.core.vector import Vector
 from kinmo.io.readers.optional_library import optional_library
 from kinmo.io.writers.robot_meshes import textures_of
 from kinmo.io.writers.texture_images import TextureImages, materials_of
-from kinmo.io.writers.usd_frames import axis_frame, principal_inertia, quaternion
+from kinmo.io.writers.usd_frames import axis_frame, principal_inertia
 from kinmo.io.writers.usd_looks import UsdLooks
 from kinmo.io.writers.writer import ExportedObject
 from kinmo.robot.collision_shapes import Hull
