@@ -41,7 +41,7 @@ BOXES = [
     ((0.3, 2.0, 0.3), (0.5, 2.2, 0.5)),
 ]
 DOOR = Joint(JointKind.REVOLUTE, UP, np.array([0.0, 0, 0.8]), 0.0, 1.5)
-DRAWER = Joint(JointKind.PRISMATIC, np.array([0.0, 0, 1]), np.zeros(3), 0.0, 0.5)
+DRAWER = Joint(JointKind.PRISMATIC, np.array([0.0, 0, 1]), np.zeros(3), 0.0, 0.4)
 VALVE = Joint(JointKind.SCREW, UP, np.array([0.4, 2.0, 0.4]), 0.0, 0.1)
 BODIES = (
     Body(0, "body", (1,)),
