@@ -12,7 +12,9 @@ from kinmo.core.oriented_box import Box
 from kinmo.core.shape import Mesh, join
 from kinmo.robot import convex_decomposition
 from kinmo.robot.collision_shapes import CollisionShape, Hull
-from kinmo.robot.convex_decomposition import MAX_HULL_VERTICES, MIN_THICKNESS, convex_shapes, hull_of
+from kinmo.robot.convex_decomposition import convex_shapes
+from kinmo.robot.convex_hulls import MAX_HULL_VERTICES, hull_of
+from kinmo.robot.plane_cuts import MIN_THICKNESS
 
 
 def mesh_of(solid: trimesh.Trimesh) -> Mesh:

@@ -61,7 +61,16 @@ def same_vertices(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64], f
 
 def is_closed(mesh: Mesh) -> bool:
     """True if every edge of a mesh has two faces, where vertices at the same place count as one."""
+    return bool((_faces_per_edge(mesh) == 2).all())
+
+
+def has_border(mesh: Mesh) -> bool:
+    """True if an edge of a mesh has an odd number of faces, as at a hole. Solids that share an edge have none."""
+    return bool((_faces_per_edge(mesh) % 2 == 1).any())
+
+
+def _faces_per_edge(mesh: Mesh) -> NDArray[np.int64]:
     corners, _, _ = same_vertices(mesh)
     edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     edges = np.sort(edges[edges[:, 0] != edges[:, 1]], axis=1)
-    return bool((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
+    return np.unique(edges, axis=0, return_counts=True)[1]

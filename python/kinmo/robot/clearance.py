@@ -18,8 +18,8 @@ from kinmo.core.kinematics import Pose
 from kinmo.core.oriented_box import Box
 from kinmo.core.shape import Mesh
 from kinmo.core.vector import Vector
-from kinmo.robot.collision_shapes import CollisionShape, Hull
-from kinmo.robot.convex_decomposition import hull_of, simplest_shape
+from kinmo.robot.collision_shapes import CollisionShape, Cylinder, Hull
+from kinmo.robot.convex_hulls import hull_of, simplest_shape
 from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind
 
 F64 = NDArray[np.float64]
@@ -40,8 +40,6 @@ FULL_TURN = (-np.pi, np.pi)
 """Range of a continuous joint."""
 MIN_FLATNESS = 1e-3
 """Least thickness of a cut shape, as a share of its largest extent."""
-EXACT_FILL = 1.0 - 1e-9
-"""Share of its box that a cut shape fills if it is a box. A larger box would close the gap again."""
 MAX_NORMALS = 40
 """Most directions in which two shapes may be apart that are looked at for each of them."""
 
@@ -87,7 +85,8 @@ class _Piece:
         share = (low[None, :] / np.maximum(high[:, None] + low[None, :], 1e-300))[..., None]
         between = (share * above[:, None] + (1.0 - share) * below[None, :]).reshape(-1, 3)
         points = np.concatenate([above, between])
-        shape = simplest_shape(hull_of(points, MIN_FLATNESS * float(np.ptp(points, axis=0).max())), EXACT_FILL)
+        hull = hull_of(points, MIN_FLATNESS * float(np.ptp(points, axis=0).max()))
+        shape = simplest_shape(hull, is_exact=True)  # a larger one would close the gap again
         self.shape = shape
         self.points, self.normals = _points_and_normals(shape)
 
@@ -133,7 +132,7 @@ def with_clearance(robot: Robot) -> Robot:
         _Piece.of(index, collision)
         for index, link in enumerate(robot.links)
         for collision in link.collisions
-        if isinstance(collision.shape, Box | Hull)
+        if isinstance(collision.shape, Box | Cylinder | Hull)
     ]
     if not pieces:
         return robot
@@ -160,7 +159,7 @@ def with_clearance(robot: Robot) -> Robot:
             kept[piece.link].append(replace(piece.collision, shape=piece.shape))
     links = []
     for index, link in enumerate(robot.links):
-        surfaces = [each for each in link.collisions if not isinstance(each.shape, Box | Hull)]
+        surfaces = [each for each in link.collisions if not isinstance(each.shape, Box | Cylinder | Hull)]
         links.append(replace(link, collisions=(*kept[index], *surfaces)))
     return replace(robot, links=tuple(links), joints=tuple(joints))
 
@@ -234,6 +233,8 @@ def _points_and_normals(shape: CollisionShape) -> tuple[F64, F64]:
     """Corners [V, 3] and normals [K, 3] of the faces of a convex shape, at most `MAX_NORMALS`."""
     if isinstance(shape, Box):
         return shape.corners(), shape.axes
+    if isinstance(shape, Cylinder):
+        return shape.corners(), shape.normals()
     mesh: Mesh = shape.mesh
     a, b, c = np.moveaxis(mesh.triangles, 1, 0)
     normals = np.cross(b - a, c - a)

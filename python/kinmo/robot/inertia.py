@@ -9,7 +9,7 @@ import numpy as np
 from kinmo.core.loose_pieces import is_closed, same_vertices
 from kinmo.core.shape import Mesh
 from kinmo.core.vector import Vector
-from kinmo.robot.convex_decomposition import box_of
+from kinmo.robot.convex_hulls import box_of
 from kinmo.robot.robot import Inertial
 
 DENSITY = 100.0
@@ -36,8 +36,17 @@ def inertial_of(meshes: Sequence[Mesh], densities: Sequence[float] | None = None
 
 
 def is_solid(mesh: Mesh) -> bool:
-    """True for a closed surface that faces outwards."""
-    return is_closed(mesh) and _moments(mesh)[0] > 0.0
+    """True for a closed surface that faces outwards and is as thick as `MIN_EXTENT`.
+
+    The moments of a closed surface that cuts through itself may be those of no body, and are not used either.
+    """
+    if not is_closed(mesh):
+        return False
+    volume, first, second = _moments(mesh)
+    if volume <= 0.0:
+        return False
+    spread = second / volume - np.outer(first, first) / volume**2
+    return bool(np.linalg.eigvalsh(spread)[0] >= MIN_EXTENT**2 / 12.0)
 
 
 def solid_inertial(mesh: Mesh, density: float) -> Inertial:

@@ -79,7 +79,7 @@ def test_a_simulator_moves_every_link_as_kinmo_does(tmp_path_factory, bullet, sh
             pose = poses[link.body]
             expected = scale * rotation @ (pose[:3, :3] @ start + pose[:3, 3])
             expected_rotation = rotation @ pose[:3, :3] @ rotation.T
-            assert np.abs(np.array(state[4]) - expected).max() < 1e-6
+            assert np.abs(np.array(state[4]) - expected).max() < 1e-6 * max(1.0, scale * shape.diagonal)
             assert np.abs(Rotation.from_quat(state[5]).as_matrix() - expected_rotation).max() < 1e-6
     pybullet.removeBody(robot, physicsClientId=bullet)
 

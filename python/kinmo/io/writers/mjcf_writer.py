@@ -15,6 +15,7 @@ from kinmo.core.names import unique_names
 from kinmo.core.oriented_box import Box
 from kinmo.io.writers.robot_meshes import (
     MESHES,
+    collision_mesh,
     has_colors,
     mesh_file,
     shown_material,
@@ -25,6 +26,7 @@ from kinmo.io.writers.robot_meshes import (
 from kinmo.io.writers.texture_images import PNG, TextureImages
 from kinmo.io.writers.writer import ExportedObject
 from kinmo.io.writers.xml_files import numbers, write_xml
+from kinmo.robot.collision_shapes import Cylinder
 from kinmo.robot.robot import Collision, Inertial, Robot, RobotJoint, RobotJointKind, RobotLink
 
 
@@ -57,7 +59,7 @@ def mjcf_element(robot: Robot, textures: TextureImages) -> ET.Element:
         above, origin = (world, np.zeros(3)) if joint is None else (bodies[joint.parent], robot.links[joint.parent].origin)
         bodies.append(_body(above, link, joint, link.origin - origin, materials))
         for item in link.geometry:
-            if not (isinstance(item, Collision) and isinstance(item.shape, Box)):
+            if not isinstance(item, Collision) or collision_mesh(item) is not None:
                 ET.SubElement(assets, "mesh", name=item.name, file=mesh_file(item))
     return root
 
@@ -101,6 +103,10 @@ def _body(
             box = collision.shape
             geom.attrib |= {"type": "box", "size": numbers(box.half_extents), "pos": numbers(box.center - link.origin)}
             geom.attrib["xyaxes"] = numbers([*box.axes[0], *box.axes[1]])
+        elif isinstance(collision.shape, Cylinder):
+            cylinder = collision.shape
+            geom.attrib |= {"type": "cylinder", "size": numbers([cylinder.radius, cylinder.half_length])}
+            geom.attrib |= {"pos": numbers(cylinder.center - link.origin), "zaxis": numbers(cylinder.axis)}
         else:
             geom.attrib |= {"type": "mesh", "mesh": collision.name, "pos": numbers(-link.origin)}
     return body

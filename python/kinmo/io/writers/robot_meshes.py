@@ -17,7 +17,7 @@ from kinmo.core.shape import Mesh, join
 from kinmo.io.writers.obj_writer import write_obj
 from kinmo.io.writers.texture_images import Note, TextureImages, materials_of
 from kinmo.robot.collision_shapes import Hull, Surface
-from kinmo.robot.convex_decomposition import box_of
+from kinmo.robot.convex_hulls import box_of
 from kinmo.robot.robot import Collision, Robot, RobotLink, Visual
 
 MESHES = "meshes"
@@ -102,7 +102,7 @@ def write_robot_meshes(robot: Robot, folder: Path, textures: TextureImages) -> N
 
 
 def collision_mesh(collision: Collision) -> Mesh | None:
-    """The mesh of a collision shape. None for a box."""
+    """The mesh of a collision shape. None for a box or a cylinder."""
     shape = collision.shape
     return shape.mesh if isinstance(shape, Hull | Surface) else None
 

@@ -25,6 +25,7 @@ from kinmo.io.writers.robot_meshes import (
 from kinmo.io.writers.texture_images import TextureImages
 from kinmo.io.writers.writer import ExportedObject
 from kinmo.io.writers.xml_files import numbers, write_xml
+from kinmo.robot.collision_shapes import Cylinder
 from kinmo.robot.robot import Collision, Inertial, Robot, RobotJoint, RobotLink, Visual
 
 MeshPath = Callable[[Visual | Collision], str]
@@ -94,6 +95,12 @@ def _link(link: RobotLink, path_of: MeshPath, rpy: str, material_of: Callable[[V
             turn = numbers(roll_pitch_yaw(box.axes.T))
             ET.SubElement(piece, "origin", xyz=numbers(box.center - link.origin), rpy=turn)
             ET.SubElement(ET.SubElement(piece, "geometry"), "box", size=numbers(2.0 * box.half_extents))
+        elif isinstance(item, Collision) and isinstance(item.shape, Cylinder):
+            cylinder = item.shape
+            turn = numbers(roll_pitch_yaw(cylinder.frame.T))
+            ET.SubElement(piece, "origin", xyz=numbers(cylinder.center - link.origin), rpy=turn)
+            size = {"radius": numbers([cylinder.radius]), "length": numbers([2.0 * cylinder.half_length])}
+            ET.SubElement(ET.SubElement(piece, "geometry"), "cylinder", size)
         else:
             ET.SubElement(piece, "origin", xyz=numbers(-link.origin), rpy=rpy)
             ET.SubElement(ET.SubElement(piece, "geometry"), "mesh", filename=path_of(item))

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.core.frames import quaternion
 from kinmo.core.names import unique_names
@@ -29,7 +30,7 @@ from kinmo.io.writers.texture_images import TextureImages, materials_of
 from kinmo.io.writers.usd_frames import axis_frame, principal_inertia
 from kinmo.io.writers.usd_looks import UsdLooks
 from kinmo.io.writers.writer import ExportedObject
-from kinmo.robot.collision_shapes import Hull
+from kinmo.robot.collision_shapes import Cylinder, Hull
 from kinmo.robot.robot import Collision, RobotJoint, RobotJointKind, RobotLink, Visual
 
 ENDING = ".usd"
@@ -126,6 +127,8 @@ class _StageWriter:
         shape = collision.shape
         if isinstance(shape, Box):
             prim = self._box(above, collision.name, shape, origin)
+        elif isinstance(shape, Cylinder):
+            prim = self._cylinder(above, collision.name, shape, origin)
         else:
             written = self._mesh(above, collision.name, shape.mesh, origin)
             self.looks.add_normals(written, shape.mesh)
@@ -138,11 +141,25 @@ class _StageWriter:
         cube = self.geom.Cube.Define(self.stage, above.GetPath().AppendChild(name))
         cube.CreateSizeAttr(2.0)
         cube.CreateExtentAttr([self.gf.Vec3f(-1.0), self.gf.Vec3f(1.0)])
-        cube.AddTranslateOp().Set(self.gf.Vec3d(*(box.center - origin).tolist()))
-        turn = quaternion(box.axes.T)
-        cube.AddOrientOp(self.geom.XformOp.PrecisionDouble).Set(self.gf.Quatd(*turn.tolist()))
+        self._place(cube, box.center - origin, box.axes)
         cube.AddScaleOp(self.geom.XformOp.PrecisionDouble).Set(self.gf.Vec3d(*box.half_extents.tolist()))
         return cube.GetPrim()
+
+    def _cylinder(self, above: Any, name: str, cylinder: Cylinder, origin: Vector) -> Any:
+        written = self.geom.Cylinder.Define(self.stage, above.GetPath().AppendChild(name))
+        written.CreateAxisAttr(self.geom.Tokens.z)
+        written.CreateRadiusAttr(cylinder.radius)
+        written.CreateHeightAttr(2.0 * cylinder.half_length)
+        high = [cylinder.radius, cylinder.radius, cylinder.half_length]
+        written.CreateExtentAttr([self.gf.Vec3f(*(-each for each in high)), self.gf.Vec3f(*high)])
+        self._place(written, cylinder.center - origin, cylinder.frame)
+        return written.GetPrim()
+
+    def _place(self, written: Any, center: Vector, axes: NDArray[np.float64]) -> None:
+        """Move a shape to a centre, and turn it so that its axes are the rows [3, 3]."""
+        written.AddTranslateOp().Set(self.gf.Vec3d(*center.tolist()))
+        turn = quaternion(axes.T)
+        written.AddOrientOp(self.geom.XformOp.PrecisionDouble).Set(self.gf.Quatd(*turn.tolist()))
 
     def _mesh(self, above: Any, name: str, mesh: Mesh, origin: Vector) -> Any:
         written = self.geom.Mesh.Define(self.stage, above.GetPath().AppendChild(name))
