@@ -117,7 +117,8 @@ def planned_checks(job: CheckJob) -> list[FileCheck]:
         document = read_document(job.folder / FILE_NAME)
     if document["export"].is_absent:
         raise document["export"].fail("expected the formats: run kinmo predict again")
-    formats = [item.text() for item in document["export"]["formats"].items()]
+    with _naming_remedy():
+        formats = [item.text() for item in document["export"]["formats"].items()]
     found = [
         FileCheck(format, simulator)
         for format in ENDINGS
