@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from cabinet_results import result_in
@@ -145,6 +147,35 @@ def test_a_simulator_that_fails_is_one_line(
         f"URDF in PyBullet {problem}",
         "USD in usd-core was not tested, as the test before it did not end",
     ]
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "problem"),
+    [
+        (lambda data: data.pop("bodies"), "bodies", "expected at least one body"),
+        (lambda data: data.update(bodies=[]), "bodies", "expected at least one body"),
+        (lambda data: data.update(bodies={"door": 1}), "bodies", "expected a list"),
+        (lambda data: data["bodies"][1].pop("name"), "bodies[1].name", "expected a text"),
+        (lambda data: data["shape"].update(up=[0, 0, 0]), "shape.up", "expected a unit vector"),
+        (lambda data: data["shape"].update(diagonal=0), "shape.diagonal", "expected a positive number"),
+        (lambda data: data["export"].update(name="../cabinet"), "export.name", "expected a name of a file without a folder"),
+        (lambda data: data.update(schema_version=99), "schema_version", "expected 1"),
+    ],
+)
+def test_what_is_wrong_with_a_damaged_file_is_one_line(
+    result: Path, change: Callable[[dict[str, Any]], object], field: str, problem: str
+) -> None:
+    file = result / "joints.json"
+    data = json.loads(file.read_text(encoding="utf-8"))
+    change(data)
+    file.write_text(json.dumps(data), encoding="utf-8")
+    assert problems(result, "usd") == [f"{file}: {field}: {problem}: run kinmo predict again, which keeps overrides.toml"]
+
+
+def test_a_link_that_the_file_has_not_is_named(result: Path) -> None:
+    edit(result / "joints.json", r'"name": "door"', '"name": "gate"')
+    (found,) = problems(result, "usd")
+    assert found.startswith("USD in usd-core does not agree: joints.json has no link door")
 
 
 def test_one_bad_result_stops_no_other(result: Path) -> None:

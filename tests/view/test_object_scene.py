@@ -13,6 +13,7 @@ import pytest
 import trimesh
 from cabinet_results import cabinet_prediction
 from predicted_cabinet import PIECES
+from textured_files import factor_alone
 
 import kinmo
 from kinmo.view.object_scene import ObjectScene
@@ -126,3 +127,8 @@ def test_moving_bodies_have_colours_of_their_own(prediction: kinmo.Prediction) -
 
 def test_a_plain_file_has_no_looks(prediction: kinmo.Prediction) -> None:
     assert not scene_of(prediction).has_looks
+
+
+def test_one_colour_for_all_parts_is_a_look_but_not_a_varied_one(tmp_path: Path) -> None:
+    scene = scene_of(kinmo.load(factor_alone(tmp_path).path))
+    assert scene.has_looks and not scene.has_varied_looks

@@ -10,9 +10,11 @@ import time
 import urllib.request
 from pathlib import Path
 
+import numpy as np
 import pytest
 from cabinet_results import result_in
 from PIL import Image
+from textured_files import obj_with_mtl
 from typer.testing import CliRunner
 
 from kinmo.cli.app import app
@@ -102,6 +104,17 @@ def test_a_preview_has_the_size_and_a_gif_moves(result: Path, tmp_path: Path, mo
     assert (code, out) == (0, f"{tmp_path / 'a.png'}\n") and picture.mode == "RGBA" and picture.height <= 64
     assert run("render-preview", str(result), "-o", str(tmp_path / "a.gif"), "--size", "64")[0] == 0
     assert Image.open(tmp_path / "a.gif").n_frames == 4
+
+
+def test_a_preview_has_the_looks_of_the_file_or_colours_of_bodies(tmp_path: Path) -> None:
+    path = obj_with_mtl(tmp_path).path
+    options = ("--size", "48", "--poses", "1")
+    for name, more in (("looks", ()), ("bodies", ("--colors", "bodies"))):
+        assert run("render-preview", str(path), "-o", str(tmp_path / f"{name}.png"), *options, *more)[0] == 0
+    looks, bodies = (np.asarray(Image.open(tmp_path / f"{name}.png"), int) for name in ("looks", "bodies"))
+    assert np.abs(looks - bodies).max() > 100
+    code, _, error = run("render-preview", str(path), "--colors", "rainbow")
+    assert code == 2 and "rainbow" in error
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from cabinet_results import cabinet_prediction
+from textured_files import factor_alone, vertex_colors
 
+import kinmo
+from kinmo.core.errors import InputError
+from kinmo.core.shape import Shape
+from kinmo.view import preview
 from kinmo.view.body_colors import RESTING
 from kinmo.view.object_scene import ObjectScene
-from kinmo.view.preview_pictures import Preview, PreviewStyle
+from kinmo.view.preview_pictures import Preview, PreviewColors, PreviewStyle
 from kinmo.view.scene_building import scene_of
 
 SIZE = 96
@@ -75,3 +82,22 @@ def test_frames_open_and_close_in_squares(scene: ObjectScene) -> None:
     assert all(frame.shape == (48, 48, 3) for frame in frames)
     assert np.abs(frames[0] - frames[2]).sum() > 0
     assert all((frame[[0, -1]] == 255).all() for frame in frames), "nothing is cut off"
+
+
+def colors_in(shape: Shape, colors: PreviewColors) -> set[tuple[float, ...]]:
+    """Different hues in the picture of a shape."""
+    style = PreviewStyle(SIZE, has_axes=False, has_shadow=False, background=None, colors=colors)
+    picture = np.asarray(Preview(scene_of(shape), style).strip([{}]))
+    return set(map(tuple, np.round(10 * hues(picture)).tolist()))
+
+
+def test_looks_are_drawn_if_they_tell_parts_apart(tmp_path: Path) -> None:
+    many, one = kinmo.load(vertex_colors(tmp_path).path), kinmo.load(factor_alone(tmp_path).path)
+    assert colors_in(many, "auto") == colors_in(many, "looks")
+    assert len(colors_in(many, "looks")) > 20 > len(colors_in(many, "bodies"))
+    assert colors_in(one, "auto") == colors_in(one, "bodies") != colors_in(one, "looks")
+
+
+def test_unknown_colours_are_an_error(scene: ObjectScene) -> None:
+    with pytest.raises(InputError, match="colors: expected one of auto, looks, bodies, found rainbow"):
+        preview(scene.shape, colors="rainbow")  # type: ignore[arg-type]

@@ -34,6 +34,8 @@ CollisionName = Literal["convex", "hull", "mesh", "none"]
 """Modes of `kinmo.robot.collision_geometry`."""
 AxisName = Literal["x", "y", "z", "-x", "-y", "-z"]
 """Axes of `kinmo.core.frames`."""
+ColorsName = Literal["auto", "looks", "bodies"]
+"""Colours of `kinmo.view.preview_pictures`."""
 Cluster = Annotated[
     str | None,
     Option(

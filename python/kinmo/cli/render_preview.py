@@ -8,7 +8,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from kinmo.cli.execute import execute
-from kinmo.cli.options import CommonOptions
+from kinmo.cli.options import ColorsName, CommonOptions
 
 
 def render_preview(
@@ -21,6 +21,12 @@ def render_preview(
     size: Annotated[int, Option(min=16, max=4096, help="Height of each picture in pixels.")] = 480,
     poses: Annotated[int, Option(min=1, max=12, help="Number of poses side by side, the first one at rest.")] = 3,
     opening: Annotated[float, Option(min=0.0, max=1.0, help="Share of their ranges that joints open in the last pose.")] = 0.8,
+    colors: Annotated[
+        ColorsName,
+        Option(
+            help="looks: materials and images of the file. bodies: one colour for each body. auto: looks if there are some."
+        ),
+    ] = "auto",
     before: Annotated[bool, Option("--before", help="Begin with the object in grey, without joints.")] = False,
     no_axes: Annotated[bool, Option("--no-axes", help="Draw no axes.")] = False,
     transparent: Annotated[bool, Option("--transparent", help="Leave the background transparent.")] = False,
@@ -30,15 +36,17 @@ def render_preview(
 ) -> None:
     """Draw an object at rest and with open joints, for papers and web pages.
 
-    Bodies have colours, and joints have arrows along their axes. A file that ends in .gif becomes an animation in which all
-    joints open and close. No graphics card is needed.
+    Objects look as in their file. Those without an image and without different colours have a colour for each body instead.
+    Joints have arrows along their axes. A file that ends in .gif becomes an animation in which all joints open and close. No
+    graphics card is needed.
 
     For example:
 
         kinmo render-preview out/cabinet -o cabinet.png
         kinmo render-preview out/cabinet -o cabinet.gif --size 320
+        kinmo render-preview out/cabinet --colors bodies
         kinmo render-preview robot.urdf --poses 5 --transparent
     """
     from kinmo.view.preview_files import RenderPreview
 
-    execute(options, RenderPreview(path, out, source, size, poses, opening, before, not no_axes, transparent))
+    execute(options, RenderPreview(path, out, source, size, poses, opening, before, not no_axes, transparent, colors))

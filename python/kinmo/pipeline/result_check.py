@@ -10,6 +10,8 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,8 +23,9 @@ from kinmo.core.wording import clean_text, printable_path
 from kinmo.evaluation.simulation.expected_kinematics import expected_kinematics
 from kinmo.evaluation.simulation.object_check import SimulationCheck, check_object
 from kinmo.evaluation.simulation.simulator import LoadError
-from kinmo.io.readers.joints_json_reader import bodies_in, read_document
+from kinmo.io.readers.joints_json_reader import UNIT_TOLERANCE, bodies_in, read_document
 from kinmo.io.readers.json_field import JsonField
+from kinmo.io.result_folder import PREDICT_AGAIN
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 
 REPORT, OUTPUT = "report.jsonl", "output.txt"
@@ -110,10 +113,12 @@ class CheckJob:
 
 def planned_checks(job: CheckJob) -> list[FileCheck]:
     """The files of a result, and the simulators that read them. Raises InputError if there is none, or joints.json is bad."""
-    document = read_document(job.folder / FILE_NAME)
+    with _naming_remedy():
+        document = read_document(job.folder / FILE_NAME)
     if document["export"].is_absent:
         raise document["export"].fail("expected the formats: run kinmo predict again")
-    formats = [item.text() for item in document["export"]["formats"].items()]
+    with _naming_remedy():
+        formats = [item.text() for item in document["export"]["formats"].items()]
     found = [
         FileCheck(format, simulator)
         for format in ENDINGS
@@ -129,11 +134,21 @@ def planned_checks(job: CheckJob) -> list[FileCheck]:
     return found
 
 
+@contextmanager
+def _naming_remedy() -> Iterator[None]:
+    """Add the remedy to errors of a damaged joints.json."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.where, f"{error.problem}: {PREDICT_AGAIN}", error.field) from None
+
+
 def check_result(job: CheckJob) -> list[FileCheck] | str:
     """Test all files of a result in a process of their own. Returns a message if that is impossible."""
     try:
         planned = planned_checks(job)
-        _Expected.read(job.folder)
+        with _naming_remedy():
+            _Expected.read(job.folder)
     except InputError as error:
         return str(error)
     finished, end = _in_own_process(job, planned)
@@ -210,13 +225,17 @@ class _Expected:
     def read(folder: Path) -> _Expected:
         """Read and check joints.json. Raises InputError if it is damaged."""
         document = read_document(folder / FILE_NAME)
-        scale = document["export"]["metres_per_unit"].number()
-        if scale <= 0.0:
-            raise document["export"]["metres_per_unit"].fail("expected a positive number")
-        expected = _Expected(document["export"]["name"].text(), scale * document["shape"]["diagonal"].number(), document)
-        document["shape"]["up"].vector()
+        export, shape = document["export"], document["shape"]
+        for length in (export["metres_per_unit"], shape["diagonal"]):
+            if length.number() <= 0.0:
+                raise length.fail("expected a positive number")
+        name = export["name"].text()
+        if not name or Path(name).name != name:
+            raise export["name"].fail("expected a name of a file without a folder")
+        if abs(float(np.linalg.norm(shape["up"].vector())) - 1.0) > UNIT_TOLERANCE:
+            raise shape["up"].fail("expected a unit vector")
         bodies_in(document)
-        return expected
+        return _Expected(name, export["metres_per_unit"].number() * shape["diagonal"].number(), document)
 
     def check(self, simulator: str, path: Path) -> SimulationCheck:
         up = np.array(self.document["shape"]["up"].vector())

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from kinmo.api.prediction import Prediction
     from kinmo.core.shape import Shape
+    from kinmo.view.preview_pictures import PreviewColors
     from kinmo.view.viser_server import ObjectServer
 
 __all__ = ["preview", "save_page", "show"]
@@ -69,7 +70,15 @@ def save_page(items: Sequence[Prediction | Shape], path: Path | str) -> Path:
     return write_static_page([scene_of(item) for item in items], Path(path))
 
 
-def preview(item: Prediction | Shape, *, size: int = 480, poses: int = 3, opening: float = 0.8, has_axes: bool = True) -> Image:
+def preview(
+    item: Prediction | Shape,
+    *,
+    size: int = 480,
+    poses: int = 3,
+    opening: float = 0.8,
+    has_axes: bool = True,
+    colors: PreviewColors = "auto",
+) -> Image:
     """Draw an object at rest and with open joints, side by side.
 
     Args:
@@ -78,9 +87,14 @@ def preview(item: Prediction | Shape, *, size: int = 480, poses: int = 3, openin
         poses: Number of poses, the first one at rest.
         opening: Share of their ranges that joints open in the last pose.
         has_axes: True to draw the axes of the joints.
+        colors: "looks" for the materials and images of the file, "bodies" for one colour for each body. "auto" takes the
+            looks if there is an image or more than one colour.
 
     Returns:
         The picture, with a white background.
+
+    Raises:
+        InputError: `colors` has another value.
 
     Example:
         >>> preview(prediction).save("cabinet.png")
@@ -90,4 +104,4 @@ def preview(item: Prediction | Shape, *, size: int = 480, poses: int = 3, openin
 
     scene = scene_of(item)
     shares = [opening * place / max(poses - 1, 1) for place in range(poses)]
-    return Preview(scene, PreviewStyle(size, has_axes)).strip([scene.opened(share) for share in shares])
+    return Preview(scene, PreviewStyle(size, has_axes, colors=colors)).strip([scene.opened(share) for share in shares])

@@ -5,7 +5,6 @@ The frame is that of GLB files: y up, in the length unit of the shape. The value
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from kinmo.core.frames import y_up_rotation, z_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
+from kinmo.core.look import NO_MATERIAL
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.shape import Mesh, Shape, bounds_of
 from kinmo.core.vector import Vector
@@ -25,6 +25,7 @@ from kinmo.io.writers.glb_writer import FROM_ROBOT, glb_bytes
 from kinmo.robot.robot import Robot
 from kinmo.robot.robot_builder import build_robot
 from kinmo.view.body_colors import Color
+from kinmo.view.surface_colors import has_varied_looks
 
 OVERHANG = 0.07
 """Length of an axis beyond its body, in diagonals of the object."""
@@ -193,10 +194,10 @@ class ObjectScene:
     @cached_property
     def has_looks(self) -> bool:
         """True if the file gives a part a colour or a texture."""
-        glb = self.glb()
-        document = json.loads(glb[20 : 20 + int.from_bytes(glb[12:16], "little")])
-        surfaces = (material.get("pbrMetallicRoughness", {}) for material in document.get("materials", []))
-        primitives = (each for mesh in document.get("meshes", []) for each in mesh["primitives"])
-        return any("baseColorFactor" in each or "baseColorTexture" in each for each in surfaces) or any(
-            "COLOR_0" in each["attributes"] for each in primitives
-        )
+        looks = [mesh.look for mesh in self.meshes.values() if mesh.look is not None]
+        return any(look.colors is not None or (look.material != NO_MATERIAL).any() for look in looks)
+
+    @cached_property
+    def has_varied_looks(self) -> bool:
+        """True if the file gives the parts an image or more than one colour."""
+        return has_varied_looks(self.meshes.values())

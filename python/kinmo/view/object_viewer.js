@@ -51,7 +51,7 @@ const kinmoViewer = (() => {
         const position = get("POSITION"), material = (gltf.materials || [])[primitive.material] || {}, pbr = material.pbrMetallicRoughness || {};
         const index = primitive.indices === undefined ? Float64Array.from({ length: position.count }, (_, i) => i) : floats(primitive.indices).data;
         for (let i = 0; i < position.count; i++) position.data.set(apply(pose, position.data.subarray(3 * i, 3 * i + 3)), 3 * i);
-        return { position: position.data, index, uv: get("TEXCOORD_0"), color: get("COLOR_0"), factor: (pbr.baseColorFactor || [1, 1, 1, 1]).map((x, i) => i < 3 ? x ** (1 / 2.2) : x),
+        return { position: position.data, index, uv: get("TEXCOORD_0"), color: get("COLOR_0"), factor: (pbr.baseColorFactor || [1, 1, 1, 1]).map((x, i) => i < 3 ? x ** (1 / 2.2) : material.alphaMode ? x : 1),
           image: texture(pbr.baseColorTexture), hasLook: Boolean(pbr.baseColorFactor || pbr.baseColorTexture || own.COLOR_0 !== undefined) };
       });
       for (const child of node.children || []) visit(child, pose);
@@ -220,13 +220,18 @@ const kinmoViewer = (() => {
       const found = poses(), set = (name, value) => gl.uniform1f(uniforms[name], value);
       const show = (mesh, kind, model, color) => { gl.uniformMatrix4fv(uniforms.model, false, model); gl.uniform4fv(uniforms.color, color); gl.bindVertexArray(mesh.array); gl.drawArrays(kind, 0, mesh.count); };
       set("lit", 1); set("nearer", 0);
-      bodies.forEach((body, index) => { const glow = index === state.focus ? 0.25 : 0;
-        set("nearer", body.option?.kind ? 0.00005 : 0); // of surfaces in one place, that of the moving body is seen
-        for (const mesh of body.draws) {
-          set("looks", state.look ? 1 : 0); set("textured", state.look && mesh.texture ? 1 : 0); gl.bindTexture(gl.TEXTURE_2D, mesh.texture);
-          const base = state.look ? mesh.factor : [...body.color, 1];
-          show(mesh, gl.TRIANGLES, found[index], base.map((x, i) => i < 3 ? x + (1 - x) * glow : x));
-        } });
+      for (const isGlass of [false, true]) { // glass comes last and hides nothing
+        gl.depthMask(!isGlass);
+        bodies.forEach((body, index) => { const glow = index === state.focus ? 0.25 : 0;
+          set("nearer", body.option?.kind ? 0.00005 : 0); // of surfaces in one place, that of the moving body is seen
+          for (const mesh of body.draws) {
+            const base = state.look ? mesh.factor : [...body.color, 1];
+            if ((base[3] < 0.99) !== isGlass) continue;
+            set("looks", state.look ? 1 : 0); set("textured", state.look && mesh.texture ? 1 : 0); gl.bindTexture(gl.TEXTURE_2D, mesh.texture);
+            show(mesh, gl.TRIANGLES, found[index], base.map((x, i) => i < 3 ? x + (1 - x) * glow : x));
+          } });
+      }
+      gl.depthMask(true);
       set("lit", 0); set("looks", 0); set("textured", 0);
       if (!state.look) { set("nearer", 0.0003); bodies.forEach((body, index) => { for (const mesh of body.lines) show(mesh, gl.LINES, found[index], [...body.color.map((x) => 0.45 * x), 0.8]); }); set("nearer", 0); }
       if (state.axes) for (const alpha of [1, 0.3]) {

@@ -14,7 +14,7 @@ from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.io.atomic_files import write_bytes_atomically
 from kinmo.view.object_scene import ObjectScene
 from kinmo.view.opened_item import open_one
-from kinmo.view.preview_pictures import Preview, PreviewStyle
+from kinmo.view.preview_pictures import Preview, PreviewColors, PreviewStyle
 
 GIF, PNG = ".gif", ".png"
 """Endings of animations and of pictures."""
@@ -40,6 +40,7 @@ class RenderPreview:
     begins_grey: bool = False  # True to begin with the object in grey, as it was before the prediction
     has_axes: bool = True
     is_transparent: bool = False
+    colors: PreviewColors = "auto"
 
     def plan(self) -> Plan:
         """Read the object."""
@@ -52,7 +53,7 @@ class RenderPreview:
         """Write the file."""
         self._check()
         scene = open_one(self.path, self.source).scene()
-        data = self._animation(scene, observer) if self._is_animation else self._picture(scene)
+        data = self._animation(scene, observer) if self._is_animation else self._picture(scene, observer)
         self.out.parent.mkdir(parents=True, exist_ok=True)
         write_bytes_atomically(self.out, data)
         return Outcome(self.out, {"preview": str(self.out), "object": scene.name})
@@ -70,19 +71,21 @@ class RenderPreview:
             option = "--transparent" if self.is_transparent else "--before"
             raise InputError(option, "applies only to a .png")
 
-    def _picture(self, scene: ObjectScene) -> bytes:
+    def _picture(self, scene: ObjectScene, observer: Observer) -> bytes:
         background = None if self.is_transparent else (255, 255, 255)
-        style = PreviewStyle(self.size, self.has_axes, background=background)
+        style = PreviewStyle(self.size, self.has_axes, colors=self.colors, background=background)
         shares = [0.0] if self.poses == 1 and not self.begins_grey else np.linspace(0.0, self.opening, self.poses)
         if self.poses == 1 and self.begins_grey:
             shares = [self.opening]
-        image = Preview(scene, style).strip([scene.opened(float(share)) for share in shares], begins_grey=self.begins_grey)
+        preview = Preview(scene, style, observer.note)
+        image = preview.strip([scene.opened(float(share)) for share in shares], begins_grey=self.begins_grey)
         buffer = io.BytesIO()
         image.save(buffer, format="png", optimize=True)
         return buffer.getvalue()
 
     def _animation(self, scene: ObjectScene, observer: Observer) -> bytes:
-        preview = Preview(scene, PreviewStyle(self.size, self.has_axes, samples=GIF_SAMPLES))
+        style = PreviewStyle(self.size, self.has_axes, samples=GIF_SAMPLES, colors=self.colors)
+        preview = Preview(scene, style, observer.note)
         frames = []
         for done, frame in enumerate(preview.frames(FRAMES), 1):
             frames.append(frame)

@@ -5,20 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, join
 from kinmo.view.body_colors import RESTING
+from kinmo.view.drawn_looks import DrawnLooks
 from kinmo.view.object_scene import ObjectScene
 from kinmo.view.picture_raster import SIDE, Camera, front_left
 from kinmo.view.studio_picture import lit, pixels, shadow, with_axes
+from kinmo.view.surface_colors import Note
 from kinmo.view.surface_raster import SurfaceRaster
 
 F64 = NDArray[np.float64]
 
+PreviewColors = Literal["auto", "looks", "bodies"]
+"""Colours of pictures: looks are those of the file, bodies one for each body, auto looks if they tell parts apart."""
 UP = np.array([0.0, 1.0, 0.0])
 GAP = 0.04
 """Distance between the pictures of a strip, as a share of their size."""
@@ -39,6 +45,7 @@ class PreviewStyle:
         has_axes: True to draw the axes of the joints.
         has_shadow: True for a shadow on the ground.
         samples: samples along each side of a pixel.
+        colors: colours of the surfaces.
         background: colour [3] behind the object, in 0..255. None for transparent pictures.
     """
 
@@ -46,6 +53,7 @@ class PreviewStyle:
     has_axes: bool = True
     has_shadow: bool = True
     samples: int = 3
+    colors: PreviewColors = "auto"
     background: tuple[int, int, int] | None = (255, 255, 255)
 
 
@@ -55,12 +63,21 @@ class Preview:
     Args:
         scene: The object.
         style: What its pictures look like.
+        note: What receives a line about an image that cannot be shown.
+
+    Raises:
+        InputError: The style names unknown colours.
     """
 
-    def __init__(self, scene: ObjectScene, style: PreviewStyle = PreviewStyle()) -> None:
+    def __init__(self, scene: ObjectScene, style: PreviewStyle = PreviewStyle(), note: Note = lambda line: None) -> None:
         self.scene, self.style = scene, style
         self._owners = [(index, leaf) for index, body in enumerate(scene.bodies) for leaf in body.leaves]
-        self._surfaces = SurfaceRaster([scene.meshes[leaf] for _, leaf in self._owners])
+        meshes = [scene.meshes[leaf] for _, leaf in self._owners]
+        self._surfaces = SurfaceRaster(meshes)
+        if style.colors not in get_args(PreviewColors):
+            raise InputError("colors", f"expected one of {', '.join(get_args(PreviewColors))}, found {style.colors}")
+        has_looks = scene.has_varied_looks if style.colors == "auto" else style.colors == "looks"
+        self._looks = DrawnLooks(meshes, [index for index, _ in self._owners], note) if has_looks else None
         self._moving = [index for index, body in enumerate(scene.bodies) if body.joint is not None and body.parent is not None]
         arrows = [_arrow(scene.axis_ends(index), self._diagonal) for index in self._moving]
         self._axes = SurfaceRaster(arrows)
@@ -129,9 +146,12 @@ class Preview:
         moved = self.scene.poses(pose)
         own = moved[[index for index, _ in self._owners]]
         ranks = [index + 1 if index in self._moving else 0 for index, _ in self._owners]
-        seen = self._surfaces.render(camera, own, self.style.samples, ranks)
-        colors = np.array([RESTING if is_grey else self.scene.bodies[index].color for index, _ in self._owners])
-        image = lit(seen, colors, [index for index, _ in self._owners])
+        if self._looks is None or is_grey:
+            seen = self._surfaces.render(camera, own, self.style.samples, ranks)
+            colors = [(*(RESTING if is_grey else self.scene.bodies[index].color), 1.0) for index, _ in self._owners]
+            image = lit(seen, np.array(colors)[seen.parts[seen.is_seen]], [index for index, _ in self._owners])
+        else:
+            image, seen = self._looks.draw(camera, own, self.style.samples, ranks)
         if self._moving and self.style.has_axes and not is_grey:
             above = moved[[self._parent(index) for index in self._moving]]
             tones = AXIS_SHADE * np.array([self.scene.bodies[index].color for index in self._moving])

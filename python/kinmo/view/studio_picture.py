@@ -32,22 +32,23 @@ HIDDEN_AXIS = 0.35
 """Opacity of an axis behind a surface."""
 
 
-def lit(fragments: Fragments, colors: F64, bodies: Sequence[int]) -> F64:
+def lit(fragments: Fragments, colors: F64, bodies: Sequence[int], *, has_creases: bool = True) -> F64:
     """RGBA samples [height, width, 4] in 0..1 of surfaces.
 
     Args:
         fragments: What is seen.
-        colors: Colour [P, 3] of each part.
+        colors: Red, green, blue and opacity [N, 4] of the samples where something is seen, row by row.
         bodies: Number of the body of each part. Lines run between bodies.
+        has_creases: True for lines along creases, too.
     """
     seen = fragments.is_seen
-    normals, parts = fragments.normals[seen], fragments.parts[seen]
+    normals = fragments.normals[seen]
     light = AMBIENT + KEY * np.maximum(normals @ KEY_LIGHT, 0.0) - SKY * normals[:, 1]
     image = np.zeros((*seen.shape, 4))
-    image[seen, :3] = np.clip(colors[parts] * light[:, None], 0.0, 1.0)
-    image[seen, 3] = 1.0
+    image[seen] = np.clip(colors * np.stack([light, light, light, np.ones_like(light)], axis=1), 0.0, 1.0)
     between, creases = _lines(fragments, np.append(bodies, NOTHING))
-    image[creases, :3] *= CREASE_LINE
+    if has_creases:
+        image[creases, :3] *= CREASE_LINE
     image[between, :3] *= LINE
     return image
 

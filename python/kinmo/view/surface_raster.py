@@ -32,11 +32,17 @@ class Fragments:
         depths: [height, width] depths in radii of the object. Infinite where nothing is seen.
         parts: [height, width] indices of the parts. `NOTHING` where nothing is seen.
         normals: [height, width, 3] unit normals towards the viewer, in the frame of the camera.
+        triangles: [height, width] indices of the triangles of all parts, one part after the other. `NOTHING` likewise.
+        weights: [N, 3] share of each corner of its triangle in the samples where something is seen, row by row.
+        areas: [T] areas of all triangles in the picture, in samples.
     """
 
     depths: F64
     parts: NDArray[np.int64]
     normals: F64
+    triangles: NDArray[np.int64]
+    weights: F64
+    areas: F64
 
     @property
     def is_seen(self) -> NDArray[np.bool_]:
@@ -85,26 +91,41 @@ class SurfaceRaster:
             depths[is_nearer] = near[is_nearer]
             triangles[is_nearer] = found[is_nearer] + number * BATCH
         parts = np.where(triangles == NOTHING, NOTHING, self.part[triangles] if len(self.part) else NOTHING)
-        normals = np.zeros((size, size, 3))
-        rows, columns = np.nonzero(triangles != NOTHING)
-        seen, depth = triangles[rows, columns], depths[rows, columns]
-        rays = np.stack([(columns + 0.5 - center[0]) / focal, (rows + 0.5 - center[1]) / focal, np.ones(len(rows))], axis=1)
-        normals[rows, columns] = self._normals(seen, rays * depth[:, None], moved, camera.radius)
-        return Fragments(depths, parts, normals)
-
-    def _normals(self, triangles: NDArray[np.int64], points: F64, moved: F64, radius: float) -> F64:
-        """Unit normals [N, 3] at points [N, 3] of triangles [N], in the frame of the camera."""
         pose = moved[self.part]
         corners = np.einsum("tij,tcj->tci", pose[:, :3, :3], self.corners) + pose[:, None, :3, 3]
-        normals = radius * np.einsum("tij,tcj->tci", pose[:, :3, :3], self.normals)
-        first, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        uu, uv, vv = (np.einsum("ij,ij->i", *pair) for pair in ((u, u), (u, v), (v, v)))
-        determinant = np.maximum(uu * vv - uv * uv, np.finfo(float).tiny)
-        offset = points - first[triangles]
-        along_u, along_v = np.einsum("ij,ij->i", offset, u[triangles]), np.einsum("ij,ij->i", offset, v[triangles])
-        second = np.clip((vv[triangles] * along_u - uv[triangles] * along_v) / determinant[triangles], 0.0, 1.0)
-        third = np.clip((uu[triangles] * along_v - uv[triangles] * along_u) / determinant[triangles], 0.0, 1.0)
-        weights = np.stack([np.maximum(1.0 - second - third, 0.0), second, third], axis=1)
-        found = np.einsum("nc,nci->ni", weights, normals[triangles])
-        found /= np.maximum(np.linalg.norm(found, axis=1, keepdims=True), np.finfo(float).tiny)
-        return np.asarray(np.where(np.einsum("ij,ij->i", found, points)[:, None] > 0.0, -found, found))
+        rows, columns = np.nonzero(triangles != NOTHING)
+        seen = triangles[rows, columns]
+        rays = np.stack([(columns + 0.5 - center[0]) / focal, (rows + 0.5 - center[1]) / focal, np.ones(len(rows))], axis=1)
+        points = rays * depths[rows, columns][:, None]
+        weights = _weights(seen, points, corners)
+        turned = camera.radius * np.einsum("tij,tcj->tci", pose[:, :3, :3], self.normals)
+        normals = np.zeros((size, size, 3))
+        normals[rows, columns] = _towards_viewer(np.einsum("nc,nci->ni", weights, turned[seen]), points)
+        return Fragments(depths, parts, normals, triangles, weights, _areas(corners, focal))
+
+
+def _weights(triangles: NDArray[np.int64], points: F64, corners: F64) -> F64:
+    """Share [N, 3] of each corner in points [N, 3] of triangles [N]. `corners` [T, 3, 3] has those of all triangles."""
+    first, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    uu, uv, vv = (np.einsum("ij,ij->i", *pair) for pair in ((u, u), (u, v), (v, v)))
+    determinant = np.maximum(uu * vv - uv * uv, np.finfo(float).tiny)
+    offset = points - first[triangles]
+    along_u, along_v = np.einsum("ij,ij->i", offset, u[triangles]), np.einsum("ij,ij->i", offset, v[triangles])
+    second = np.clip((vv[triangles] * along_u - uv[triangles] * along_v) / determinant[triangles], 0.0, 1.0)
+    third = np.clip((uu[triangles] * along_v - uv[triangles] * along_u) / determinant[triangles], 0.0, 1.0)
+    weights = np.stack([np.maximum(1.0 - second - third, 0.0), second, third], axis=1)
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+
+
+def _towards_viewer(vectors: F64, points: F64) -> F64:
+    """Vectors [N, 3] at points [N, 3] with length 1, turned around where they point away from the viewer."""
+    lengths = np.maximum(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)), np.finfo(float).tiny)
+    signs = np.where(np.einsum("ij,ij->i", vectors, points) > 0.0, -1.0, 1.0)
+    return np.asarray(vectors * (signs / lengths)[:, None])
+
+
+def _areas(corners: F64, focal: float) -> F64:
+    """Areas [T] in the picture of triangles with corners [T, 3, 3]."""
+    flat = focal * corners[..., :2] / np.maximum(corners[..., 2:], np.finfo(float).tiny)
+    first, second = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
+    return np.asarray(0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]))

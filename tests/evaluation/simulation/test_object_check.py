@@ -76,4 +76,4 @@ def test_other_kinematics_do_not_agree() -> None:
 
 
 def test_links_that_are_not_expected_do_not_agree() -> None:
-    assert kinematics_problems(Slider(), lambda values: {})[0].startswith("does not agree: box")
+    assert kinematics_problems(Slider(), lambda values: {})[0].startswith("does not agree: joints.json has no link box")

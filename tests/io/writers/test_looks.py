@@ -128,6 +128,24 @@ def test_a_urdf_comes_back_with_its_look(made: Textured, tmp_path: Path) -> None
         assert_same_rows(np.concatenate([np.concatenate(row, axis=2).reshape(-1, 5) for row in rows]), expected_corners(made))
 
 
+def test_an_mjcf_comes_back_with_its_look(made: Textured, tmp_path: Path) -> None:
+    exported(kinmo.load(made.path), tmp_path / "out", "mjcf")
+    found = kinmo.load(tmp_path / "out" / "out.xml")
+    assert found.repairs == ()
+    materials = [material for mesh in found.meshes() if mesh.look for material in mesh.look.materials]
+    shown = {pixels_of(material.image.data) for material in materials if material.image is not None}
+    assert shown == {pixels_of(data) for data in made.images}
+    if made.uvs is not None:
+        rows = [(m.triangles @ Y_UP_TO_Z_UP, m.look.uvs) for m in found.meshes() if m.look is not None]
+        assert_same_rows(np.concatenate([np.concatenate(row, axis=2).reshape(-1, 5) for row in rows]), expected_corners(made))
+    if made.colors is None:
+        assert {material.base_color for material in materials} == made.base_colors
+
+
+def pixels_of(data: bytes) -> bytes:
+    return Image.open(io.BytesIO(data)).convert("RGB").tobytes()
+
+
 def test_partnet_mobility_comes_back_with_its_look(made: Textured, tmp_path: Path) -> None:
     shape = kinmo.load(made.path)
     exported(shape, tmp_path / "7", "partnet_mobility")

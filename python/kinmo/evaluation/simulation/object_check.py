@@ -105,7 +105,10 @@ def drive_problem(simulator: Simulator, index: int) -> str:
 
 
 def kinematics_problems(simulator: Simulator, kinematics: Kinematics, seed: int = 0) -> list[str]:
-    """The link that differs most from kinmo's kinematics in random states. Empty if none differs."""
+    """A link that joints.json does not have, or else the one that differs most from kinmo's kinematics in random states.
+
+    Empty if no link differs.
+    """
     rng = np.random.default_rng(seed)
     still = simulator.link_poses(np.zeros(len(simulator.joints)))
     worst, name = 0.0, ""
@@ -113,7 +116,9 @@ def kinematics_problems(simulator: Simulator, kinematics: Kinematics, seed: int 
         values: Vector = np.array([rng.uniform(*(joint.limits or ENDLESS)) for joint in simulator.joints])
         expected = kinematics({joint.name: float(value) for joint, value in zip(simulator.joints, values, strict=True)})
         for link, pose in simulator.link_poses(values).items():
-            error = float(np.abs(pose - expected[link] @ still[link]).max()) if link in expected else math.inf
+            if link not in expected:
+                return [f"does not agree: joints.json has no link {link}: run kinmo export again"]
+            error = float(np.abs(pose - expected[link] @ still[link]).max())
             if error > worst:
                 worst, name = error, link
     return [] if worst <= MAX_POSE_ERROR else [f"does not agree: {name} is off by {worst:.1e}"]

@@ -24,7 +24,7 @@ def read_glb(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
 def read_glb_scene(path: Path) -> Scene:
     """The default scene of a glTF file."""
     scene = GltfScene(GltfFile(path))
-    return Scene(path, GLB, scene.nodes, "y", "glTF", 1.0, repairs=scene.repairs)
+    return Scene(path, GLB, scene.nodes, "y", "glTF", 1.0, unread=scene.unread)
 
 
 READER = Reader(

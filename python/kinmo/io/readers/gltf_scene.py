@@ -18,7 +18,7 @@ from kinmo.io.readers.gltf_materials import GltfMaterials
 from kinmo.io.readers.gltf_primitives import Primitive, read_primitive
 from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.part_hierarchy import check_depth
-from kinmo.io.readers.scene import CornerBudget, SceneNode, ignored, placed
+from kinmo.io.readers.scene import CornerBudget, SceneNode, placed
 
 F64 = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class GltfScene:
 
     Attributes:
         nodes: the nodes in preorder, below one node that stands for the scene.
-        repairs: one line for each kind of thing that was ignored.
+        unread: what was not read, with its count.
     """
 
     def __init__(self, file: GltfFile) -> None:
@@ -36,16 +36,15 @@ class GltfScene:
         self._budget = CornerBudget(file.path)
         self._primitives: dict[int, list[Primitive]] = {}
         self._surfaces: dict[int, Mesh | None] = {}
-        self._ignored: Counter[str] = Counter()
+        self.unread: Counter[str] = Counter()
         self._normals = 0
         self._materials = GltfMaterials(file, self._ignore)
         self._parents = {child.integer(): index for index, child in _child_fields(file)}
         self._poses: dict[int, F64] = {}
         self.nodes = tuple(self._scene_nodes())
-        self.repairs = ignored(self._ignored)
 
     def _ignore(self, what: str) -> None:
-        self._ignored[what] += 1
+        self.unread[what] += 1
 
     def _scene_nodes(self) -> list[SceneNode]:
         root = self._file.root
@@ -63,7 +62,7 @@ class GltfScene:
             seen.add(index.integer())
             visibility = extension(node, "KHR_node_visibility")
             if not visibility.is_absent and visibility["visible"].value is False:
-                self._ignored["hidden nodes"] += 1
+                self.unread["hidden nodes"] += 1
                 continue
             place, name = len(found), node["name"].text("")
             meshes = self._placed_meshes(index.integer(), node)
@@ -124,9 +123,9 @@ class GltfScene:
             for field in self._file.entry("meshes", index)["primitives"].items():
                 primitive = read_primitive(self._file, field, self._materials)
                 if primitive is None:
-                    self._ignored["points and lines"] += 1
+                    self.unread["points and lines"] += 1
                     continue
-                self._ignored["morph targets"] += len(field["targets"].items())
+                self.unread["morph targets"] += len(field["targets"].items())
                 self._budget.spend(len(primitive.mesh.vertices) + primitive.mesh.faces.size)
                 if len(primitive.mesh.faces):
                     found.append(primitive)

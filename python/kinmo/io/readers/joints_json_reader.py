@@ -17,7 +17,8 @@ from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.untrusted_files import read_json
 from kinmo.io.writers.joints_json_writer import SCHEMA_VERSION
 
-_UNIT_TOLERANCE = 1e-6
+UNIT_TOLERANCE = 1e-6
+"""Largest difference of the length of a unit vector from 1."""
 
 
 def read_joints_json(path: Path, shape: Shape) -> tuple[ShapeEstimate, PredictionProvenance]:
@@ -54,6 +55,8 @@ def prediction_in(document: JsonField, shape: Shape) -> tuple[ShapeEstimate, Pre
 def bodies_in(document: JsonField) -> Mobility:
     """The bodies and joints that the content of joints.json describes, without their leaves: no shape is needed."""
     entries = document["bodies"].items()
+    if not entries:
+        raise document["bodies"].fail("expected at least one body")
     bodies = tuple(
         Body(entry["id"].integer(), entry["name"].text(), (), _parent(entry, len(entries)), _joint_of(entry))
         for entry in entries
@@ -143,6 +146,6 @@ def _joint(entry: JsonField) -> Joint:
     if lower is not None and upper is not None and lower > upper:
         raise entry["upper"].fail("expected no less than lower")
     direction = entry["direction"].vector()
-    if not abs(float(np.linalg.norm(direction)) - 1.0) < _UNIT_TOLERANCE:
+    if not abs(float(np.linalg.norm(direction)) - 1.0) < UNIT_TOLERANCE:
         raise entry["direction"].fail("expected a unit vector")
     return Joint(JointKind(kind), direction, entry["pivot"].vector(), lower, upper, entry["rest"].number(0.0))

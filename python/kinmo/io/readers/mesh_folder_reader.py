@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from pathlib import Path
@@ -45,7 +46,7 @@ def _read_scene(folder: Path) -> Scene:
     endings = {file.suffix.lower() for file in files}
     up = obj_up(join(*meshes)) if ".obj" in endings else "z"
     found = builder.scene(MESH_FOLDER, counted(len(files), "mesh file"), up, None, MILLIMETRE if endings == {".stl"} else None)
-    return replace(found, repairs=tuple(dict.fromkeys(line for scene in scenes for line in scene.repairs)))
+    return replace(found, unread=sum((Counter(scene.unread) for scene in scenes), Counter()))
 
 
 def _mesh_files(folder: Path, names: AbstractSet[str]) -> list[Path]:

@@ -56,6 +56,7 @@ class MjcfDocument:
         self.has_automatic_limits = settings.get("autolimits", "true") != "false"
         self._strips_paths = settings.get("strippath", "false") == "true"
         self._mesh_folder = settings.get("meshdir", settings.get("assetdir", ""))
+        self._texture_folder = settings.get("texturedir", settings.get("assetdir", ""))
         self._defaults: dict[str, dict[str, Attributes]] = {_MAIN: {}}
         for element in self.root.findall("default"):
             self._read_defaults(element, _MAIN, 0)
@@ -69,16 +70,26 @@ class MjcfDocument:
             raise InputError(self.path, f"there is no default class {clean_text(name)}", clean_text(element.tag))
         return self._defaults[name].get(element.tag, {}) | element.attrib
 
-    def meshes(self) -> Iterator[tuple[str, Attributes]]:
-        """Name and attributes of each mesh asset."""
-        for element in self.root.findall("asset/mesh"):
+    def assets(self, kind: str) -> Iterator[tuple[str, Attributes]]:
+        """Name and attributes of each asset of a kind: mesh, material or texture."""
+        for element in self.root.findall(f"asset/{kind}"):
             attributes = self.with_defaults(element)
+            for layer in element.findall("layer"):  # of a material, which may have its image there
+                if layer.get("role") in ("rgb", "rgba"):
+                    attributes = attributes | {"texture": layer.get("texture", "")}
             yield attributes.get("name") or Path(attributes.get("file", "")).stem, attributes
 
     def mesh_path(self, name: str) -> Path:
         """The file of a mesh asset."""
+        return self._asset_path(self._mesh_folder, name)
+
+    def texture_path(self, name: str) -> Path:
+        """The file of a texture asset."""
+        return self._asset_path(self._texture_folder, name)
+
+    def _asset_path(self, folder: str, name: str) -> Path:
         place = name.replace("\\", "/")
-        return self.path.parent / self._mesh_folder / (Path(place).name if self._strips_paths else place)
+        return self.path.parent / folder / (Path(place).name if self._strips_paths else place)
 
     def angle(self, value: float) -> float:
         """An angle of the file in radians."""

@@ -17,6 +17,8 @@ from kinmo.core.wording import clean_text
 from kinmo.io.readers import solids
 from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.mjcf_document import MAX_DEPTH, Attributes, MjcfDocument, rotation_of_z
+from kinmo.io.readers.mjcf_materials import MjcfMaterials
+from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, RobotPiece, ordered_links
 from kinmo.io.readers.robot_meshes import RobotMeshes
@@ -73,12 +75,14 @@ class _MjcfRobot:
         self.groups = groups
         self.path = document.path
         self.report = report
-        self.files = RobotMeshes(self.path, document.home, report)
-        self.assets = dict(document.meshes())
+        self.ignored: Counter[str] = Counter()
+        materials = MtlMaterials(document.home, lambda what: self.ignored.update([what]), reads_files=False)
+        self.files = RobotMeshes(self.path, document.home, report, materials)
+        self.looks = MjcfMaterials(document, materials)
+        self.assets = dict(document.assets("mesh"))
         self.names = [_WORLD]
         self.joints: list[JointElement] = []
         self.geoms: dict[str, list[tuple[Attributes, Matrix]]] = {_WORLD: []}
-        self.ignored: Counter[str] = Counter()
 
     def robot(self) -> RobotFile:
         """The links, joints and meshes."""
@@ -174,7 +178,7 @@ class _MjcfRobot:
         if mesh is None:
             return None
         name, asset = (clean_text(attributes.get(key, "")) for key in ("name", "mesh"))
-        return RobotPiece(placed(mesh, pose, self.path), name, asset)
+        return RobotPiece(placed(self.looks.on(mesh, attributes), pose, self.path), name, asset)
 
     def _mesh(self, attributes: Attributes) -> Mesh | None:
         """The mesh of a geom in its body. None if it has none."""

@@ -34,10 +34,12 @@ class MtlMaterials:
     Args:
         folder: the folder that no path may lead out of.
         ignore: what receives a line about everything that is not read.
+        reads_files: False to read no MTL file, for files whose format has materials of its own.
     """
 
-    def __init__(self, folder: Path, ignore: Ignore) -> None:
+    def __init__(self, folder: Path, ignore: Ignore, *, reads_files: bool = True) -> None:
         self.ignore = ignore
+        self._reads_files = reads_files
         self._folder = folder
         self._images = ImageFiles(folder, ignore)
         self._files: dict[Path, dict[str, Material]] = {}
@@ -46,11 +48,15 @@ class MtlMaterials:
     def of(self, obj: Path, libraries: Iterable[str]) -> dict[str, Material]:
         """The materials by name in the libraries that the file `obj` names in its lines `mtllib`."""
         found: dict[str, Material] = {}
-        for line in libraries:
+        for line in libraries if self._reads_files else ():
             names = [line] if _is_file(obj.parent / line.replace("\\", "/")) else line.split()
             for name in names:
                 found |= self._file(obj.parent / name.replace("\\", "/"))
         return found
+
+    def image(self, path: Path) -> Image | None:
+        """The image in a file. None if it cannot be used, which is reported."""
+        return self._images.read(path)
 
     def _file(self, path: Path) -> dict[str, Material]:
         if path not in self._files:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -60,7 +61,7 @@ class RobotMeshes:
     def __init__(
         self, path: Path, home: Path, report: Callable[[InputError], None], materials: MtlMaterials | None = None
     ) -> None:
-        """Args: the robot file, `home`, what receives the problem of an unreadable mesh, and the materials of OBJ files."""
+        """Args: the robot file, `home`, what receives the problem of an unreadable mesh, and the materials of meshes."""
         self.home = home
         self.files: list[Path] = []
         self._budget = CornerBudget(path)
@@ -94,7 +95,8 @@ def read_mesh(path: Path, materials: MtlMaterials | None = None) -> Mesh:
     """All triangles of a mesh file (OBJ, STL, PLY, OFF, MSH, DAE, glTF) in the frame of the file.
 
     Coordinates of DAE files are in metres, whatever their unit. Their up axis is ignored, as in ROS. Raises InputError for
-    files that are missing or broken, have no faces, or have another format. OBJ files have their look if `materials` is given.
+    files that are missing or broken, have no faces, or have another format. OBJ files have their look if `materials` is given,
+    which also receives what is not read of other files.
     """
     if not is_file(path):
         raise InputError(path, "expected a mesh file, found none")
@@ -102,7 +104,7 @@ def read_mesh(path: Path, materials: MtlMaterials | None = None) -> Mesh:
     if ending == ".obj":
         mesh = read_obj(path, path.parent, materials)
     elif ending == ".stl":
-        mesh = _whole(read_stl_scene(path))
+        mesh = _whole(read_stl_scene(path), materials)
     elif ending == ".ply":
         mesh = read_ply_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
     elif ending == ".off":
@@ -111,10 +113,10 @@ def read_mesh(path: Path, materials: MtlMaterials | None = None) -> Mesh:
         mesh = read_msh_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
     elif ending == ".dae":
         scene = read_dae_scene(path)
-        mesh = _whole(scene)
+        mesh = _whole(scene, materials)
         mesh = replace(mesh, vertices=mesh.vertices * (scene.metres_per_unit or 1.0))
     elif ending in (".glb", ".gltf"):
-        mesh = _whole(read_glb_scene(path))
+        mesh = _whole(read_glb_scene(path), materials)
     else:
         raise InputError(
             path, "expected a mesh as .obj, .stl, .ply, .off, .msh, .dae, .glb or .gltf: convert it to one of these"
@@ -124,5 +126,8 @@ def read_mesh(path: Path, materials: MtlMaterials | None = None) -> Mesh:
     return mesh
 
 
-def _whole(scene: Scene) -> Mesh:
+def _whole(scene: Scene, materials: MtlMaterials | None) -> Mesh:
+    if materials is not None:
+        for what in Counter(scene.unread).elements():
+            materials.ignore(what)
     return join(*(node.mesh for node in scene.nodes if node.mesh is not None))

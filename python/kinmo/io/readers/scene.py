@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -52,7 +52,7 @@ class Scene:
         convention: what states `up`, for people: the name of the format, or "file".
         metres_per_unit: length of a unit in metres. None if neither the file nor its format states it.
         usual_unit: length of a unit in metres that a large object has if `metres_per_unit` is None. None to guess it.
-        repairs: one line for everything that was dropped.
+        unread: what was not read, with its count.
     """
 
     path: Path
@@ -62,7 +62,12 @@ class Scene:
     convention: str
     metres_per_unit: float | None
     usual_unit: float | None = None
-    repairs: tuple[str, ...] = ()
+    unread: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def repairs(self) -> tuple[str, ...]:
+        """One line for everything that was not read."""
+        return ignored(self.unread)
 
 
 class CornerBudget:
@@ -119,7 +124,7 @@ class SceneBuilder:
         self, layout: str, convention: str, up: Axis, metres_per_unit: float | None, usual_unit: float | None = None
     ) -> Scene:
         """The scene of all nodes. The arguments are fields of `Scene`."""
-        return Scene(self.path, layout, tuple(self._nodes), up, convention, metres_per_unit, usual_unit, ignored(self._ignored))
+        return Scene(self.path, layout, tuple(self._nodes), up, convention, metres_per_unit, usual_unit, self._ignored)
 
 
 def placed(mesh: Mesh, pose: F64, where: Path) -> Mesh:

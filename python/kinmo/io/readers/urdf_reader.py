@@ -24,6 +24,7 @@ from kinmo.io.readers.robot_numbers import read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
 from kinmo.io.readers.scene import ignored, placed
 from kinmo.io.readers.untrusted_files import read_bytes
+from kinmo.io.readers.urdf_materials import UrdfMaterials
 from kinmo.io.readers.xml_files import MAX_XML_BYTES, parse_xml
 
 URDF = "urdf"
@@ -54,7 +55,7 @@ def read_robot_file(
         path: the file.
         home: a folder at or above that of the file. No path of a mesh may lead out of it.
         report: receives the problem of each mesh that cannot be read. By default it is raised.
-        materials: reads the materials of OBJ files. None to read shapes alone.
+        materials: reads MTL files and images, and receives what is not read. None to read shapes alone.
 
     Raises:
         InputError: the file is no URDF, its links form no tree, or a path leads out of `home`.
@@ -67,8 +68,9 @@ def read_robot_file(
     links = ordered_links(path, list(elements), joints)
     role = "visual" if root.find("link/visual") is not None else "collision"
     meshes = RobotMeshes(path, home, report, materials)
+    looks = None if materials is None else UrdfMaterials(path, root, home, materials)
     pieces = {
-        name: [piece for each in element.findall(role) if (piece := _piece(path, meshes, each)) is not None]
+        name: [piece for each in element.findall(role) if (piece := _piece(path, meshes, each, looks)) is not None]
         for name, element in elements.items()
     }
     named = (mesh_path(mesh.get("filename") or "", path, home) for mesh in root.findall("link/*/geometry/mesh"))
@@ -115,7 +117,7 @@ def _limits(path: Path, element: ET.Element | None) -> tuple[float, float] | Non
     return (lower, upper) if -MAX_NUMBER <= lower < upper <= MAX_NUMBER else None
 
 
-def _piece(path: Path, meshes: RobotMeshes, element: ET.Element) -> RobotPiece | None:
+def _piece(path: Path, meshes: RobotMeshes, element: ET.Element, looks: UrdfMaterials | None) -> RobotPiece | None:
     """The piece of a visual or collision element. None if it has no mesh."""
     pose = _pose(path, element.find("origin"))
     shape = next(iter(element.findall("geometry/*")), None)
@@ -141,6 +143,8 @@ def _piece(path: Path, meshes: RobotMeshes, element: ET.Element) -> RobotPiece |
         raise InputError(path, f"expected mesh, box, cylinder or sphere, found {shape.tag[:40]!r}", "geometry")
     if mesh is None:
         return None
+    if looks is not None:
+        mesh = looks.on(mesh, element)
     file = (shape.get("filename") or "") if shape.tag == "mesh" else ""
     return RobotPiece(placed(mesh, pose, path), clean_text(element.get("name") or ""), clean_text(Path(file).stem))
 

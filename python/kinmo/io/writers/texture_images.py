@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from kinmo.core.look import Image, Material
 from kinmo.core.names import unique_names
 from kinmo.core.shape import Mesh
 
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
+
 MAX_PIXELS = 1 << 26
-"""Largest image that is converted: 8192 x 8192."""
+"""Largest image that is decoded: 8192 x 8192."""
 PNG, JPEG = "image/png", "image/jpeg"
 GLTF_TYPES = (PNG, JPEG)
 """Types of images that every reader of glTF knows."""
@@ -29,23 +34,44 @@ def materials_of(meshes: Iterable[Mesh]) -> list[Material]:
     return list(dict.fromkeys(material for mesh in meshes if mesh.look is not None for material in mesh.look.materials))
 
 
-def in_format(image: Image, types: tuple[str, ...], note: Note) -> Image | None:
-    """The image itself if it has one of the types, else as PNG. None if it cannot be decoded, which is noted."""
-    if image.mime in types:
-        return image
+@contextmanager
+def decoded(image: Image) -> Iterator[Picture]:
+    """The picture in an image, which may be of any mode.
+
+    Args:
+        image: The image.
+
+    Raises:
+        ValueError: It cannot be decoded, or is too large.
+    """
     from PIL import Image as Pillow
+    from PIL import UnidentifiedImageError
 
     try:
         with Pillow.open(io.BytesIO(image.data), formats=_FORMATS) as opened:
             if opened.width * opened.height > MAX_PIXELS:
                 raise ValueError(f"{opened.width} x {opened.height} pixels are too many")
+            opened.load()
+            yield opened
+    except UnidentifiedImageError:
+        raise ValueError("its format is unknown") from None
+    except Exception as error:  # Pillow raises many kinds of errors for broken images
+        raise ValueError(str(error)) from None
+
+
+def in_format(image: Image, types: tuple[str, ...], note: Note) -> Image | None:
+    """The image itself if it has one of the types, else as PNG. None if it cannot be decoded, which is noted."""
+    if image.mime in types:
+        return image
+    try:
+        with decoded(image) as opened:
             has_palette = opened.mode not in ("L", "LA", "RGB", "RGBA")
             picture = opened.convert(
                 "RGBA" if "transparency" in opened.info or opened.mode == "PA" else "RGB" if has_palette else None
             )
             file = io.BytesIO()
             picture.save(file, "PNG")
-    except Exception as error:  # Pillow raises many kinds of errors for broken images
+    except ValueError as error:
         note(f"image {image.name or 'without a name'} left out, as it cannot be converted to PNG ({error})")
         return None
     return Image(file.getvalue(), PNG, image.name)
