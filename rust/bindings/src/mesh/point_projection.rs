@@ -1,6 +1,7 @@
 //! `closest_points`: nearest points on the surface of a part.
 
-use kinmo_geometry::mesh::point_projection::{NearestPoint, nearest_point};
+use kinmo_geometry::mesh::point_projection::NearestPoint;
+use kinmo_geometry::mesh::surface_group::SurfaceGroup;
 use nalgebra::Point3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -32,10 +33,9 @@ fn closest_points<'py>(
     let group = members_of("group", meshes.parts.len(), &group).map_err(value_error)?;
     let count = rows_of("points", points.view(), 3).map_err(value_error)?.nrows();
     let points = points_of("points", points.view(), count).map_err(value_error)?;
-    let surfaces = map_in_batches(py, &group, |&part| meshes.projection_tree(part))?;
-    let chunks = map_in_batches(py, points.chunks(CHUNK), |chunk: &[Point3<f64>]| {
-        chunk.iter().filter_map(|point| nearest_point(&surfaces, point)).collect::<Vec<_>>()
-    })?;
+    meshes.build_projection_trees(py, &group)?;
+    let surfaces = SurfaceGroup::new(group.iter().map(|&part| meshes.projection_tree(part)).collect());
+    let chunks = map_in_batches(py, points.chunks(CHUNK), |chunk: &[Point3<f64>]| surfaces.nearest_points(chunk))?;
     let found: Vec<NearestPoint> = chunks.concat();
     Ok((
         PyArray1::from_iter(py, found.iter().map(|nearest| nearest.distance)),
