@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.core.shape import Mesh, bounds_of
@@ -77,8 +78,16 @@ def _apart(every: _core.Meshes, meshes: Sequence[Mesh], moving: Sequence[int], s
         return list(still)
     own = _core.Meshes([meshes[index].vertices for index in moving], [meshes[index].faces for index in moving])
     points = np.concatenate([each.astype(np.float64) for each in _core.sample_surface(own, SAMPLES)[0]])
-    touching = {index for index in near if float(_core.closest_points(every, [index], points)[0].min()) <= touch}
+    touching = {index for index in near if _is_within(touch, points, every, index, meshes[index])}
     return [index for index in still if index not in touching]
+
+
+def _is_within(reach: float, points: NDArray[np.float64], every: _core.Meshes, index: int, mesh: Mesh) -> bool:
+    """True if one of `points` [N, 3] is at most `reach` from the mesh at `index`."""
+    wide = reach * (1.0 + 1e-9)  # rounding must not lose a point
+    low, high = mesh.vertices.min(axis=0) - wide, mesh.vertices.max(axis=0) + wide
+    close = points[np.all((points >= low) & (points <= high), axis=1)]
+    return bool(len(close)) and float(_core.closest_points(every, [index], close)[0].min()) <= reach
 
 
 def _kept_inside(joint: RobotJoint, robot: Robot) -> RobotJoint:

@@ -35,6 +35,15 @@ impl Meshes {
         self.projection_trees[part].get_or_init(|| ProjectionTree::new(&self.parts[part]))
     }
 
+    /// Builds the bounding volume hierarchies of some parts in parallel, where they are not built yet.
+    pub fn build_trees(&self, py: Python<'_>, parts: impl IntoIterator<Item = usize>) -> PyResult<()> {
+        let missing: Vec<usize> = parts.into_iter().filter(|&part| self.trees[part].get().is_none()).collect();
+        map_in_batches(py, missing, |part| {
+            self.tree(part);
+        })?;
+        Ok(())
+    }
+
     /// Builds the projection trees of some parts in parallel, where they are not built yet.
     pub fn build_projection_trees(&self, py: Python<'_>, parts: &[usize]) -> PyResult<()> {
         let missing: Vec<usize> =
