@@ -141,9 +141,9 @@ class ShapeGeometry:
         return others[~rides[component]].tolist(), others[rides[component]].tolist()
 
     @cached_property
-    def _touched(self) -> list[list[int]]:
+    def _touched(self) -> list[set[int]]:
         """Positions of the leaves that each leaf touches."""
-        return [np.flatnonzero(row).tolist() for row in self.touching]
+        return [set(np.flatnonzero(row).tolist()) for row in self.touching]
 
     def _components(self, chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
         """Number [L] of the connected component of each of the `chosen` [L] leaves by touch; -1 for the others.
@@ -151,17 +151,18 @@ class ShapeGeometry:
         The components are numbered by their first leaves.
         """
         component = [-1] * len(chosen)
-        waiting, count = chosen.tolist(), 0
-        for start in range(len(waiting)):
-            if not waiting[start]:
+        leaves = np.flatnonzero(chosen).tolist()
+        waiting, count = set(leaves), 0
+        for start in leaves:
+            if start not in waiting:
                 continue
-            waiting[start], stack = False, [start]
+            waiting.remove(start)
+            stack = [start]
             while stack:
                 leaf = stack.pop()
                 component[leaf] = count
-                for other in self._touched[leaf]:
-                    if waiting[other]:
-                        waiting[other] = False
-                        stack.append(other)
+                found = self._touched[leaf] & waiting
+                waiting -= found
+                stack.extend(found)
             count += 1
         return np.array(component, np.int64)

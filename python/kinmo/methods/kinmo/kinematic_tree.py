@@ -82,7 +82,9 @@ def find_parents(
         _, riders = geometry.surroundings(leaves)
         others = [place for place, other in enumerate(bodies) if place != index and other and not set(other) <= set(riders)]
         if others:
-            gaps = np.array([_core.closest_points(geometry.meshes, list(bodies[place]), points)[0] for place in others])
+            around = [list(bodies[place]) for place in others]
+            everywhere = np.broadcast_to(points, (len(around), *points.shape))
+            gaps, _, _ = _core.closest_points_of_groups(geometry.meshes, around, everywhere)
             affinity[index, others] = np.exp(-(gaps - gaps.min()) / CONTACT_SCALE).mean(axis=1)
     for flat in np.argsort(-affinity, axis=None, kind="stable"):
         index, other = divmod(int(flat), len(bodies))
