@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
-from trimesh.intersections import slice_faces_plane
 
 from kinmo import _core
 from kinmo.core.loose_pieces import pieces_of_faces
@@ -87,6 +86,8 @@ def bisected(piece: Mesh, diagonal: float) -> list[NDArray[np.float64]]:
 
 def _cut(mesh: Mesh, normal: NDArray[np.float64], origin: NDArray[np.float64]) -> Mesh:
     """The part of a surface in front of a plane."""
+    from trimesh.intersections import slice_faces_plane  # trimesh takes long to import, and few exports need it
+
     faces = mesh.faces.astype(np.int64)
     vertices, faces, _ = slice_faces_plane(mesh.vertices, faces, normal, origin)  # type: ignore[no-untyped-call]
     return Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32)).compact

@@ -30,22 +30,25 @@ def inertial_of(meshes: Sequence[Mesh], densities: Sequence[float] | None = None
         densities: Density of each part in kg/m3. None for `DENSITY`.
     """
     return joined(
-        solid_inertial(mesh, density) if is_solid(mesh) else box_inertial(mesh, density)
+        _inertial(mesh, density)
         for mesh, density in zip(meshes, densities or [DENSITY] * len(meshes), strict=True)
     )
 
 
 def is_solid(mesh: Mesh) -> bool:
     """True for a closed surface that faces outwards."""
-    return is_closed(mesh) and _moments(mesh)[0] > 0.0
+    return _solid_moments(mesh) is not None
 
 
-def solid_inertial(mesh: Mesh, density: float) -> Inertial:
-    """Mass and inertia of the volume inside a closed surface.
+def _inertial(mesh: Mesh, density: float) -> Inertial:
+    """Mass and inertia of the volume inside a closed surface that faces outwards, or else of the box around a surface.
 
     Source: Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, 2004.
     """
-    volume, first, second = _moments(mesh)
+    moments = _solid_moments(mesh)
+    if moments is None:
+        return box_inertial(mesh, density)
+    volume, first, second = moments
     center = first / volume
     spread = density * (second - volume * np.outer(center, center))
     return Inertial(density * volume, center, np.trace(spread) * np.eye(3) - spread)
@@ -71,6 +74,12 @@ def joined(inertials: Iterable[Inertial]) -> Inertial:
         inertia += each.inertia + each.mass * (away @ away * np.eye(3) - np.outer(away, away))
     denser = max(1.0, MIN_MASS / mass)
     return Inertial(denser * mass, center, denser * inertia)
+
+
+def _solid_moments(mesh: Mesh) -> tuple[float, Vector, Vector] | None:
+    """`_moments` of a closed surface that faces outwards; None for another one."""
+    moments = _moments(mesh) if is_closed(mesh) else None
+    return None if moments is None or moments[0] <= 0.0 else moments
 
 
 def _moments(mesh: Mesh) -> tuple[float, Vector, Vector]:
