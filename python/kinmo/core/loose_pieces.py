@@ -57,7 +57,7 @@ def same_vertices(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64], f
     low = used.min(axis=0)
     step = SAME_VERTEX * max(float(np.linalg.norm(used.max(axis=0) - low)), 1e-300)
     cells = np.round((mesh.vertices - low) / step).astype(np.int64)
-    if 0 <= cells.min() and cells.max() < 1 << CELL_BITS:  # one number per cell, in the same order, sorts much faster
+    if cells.min() >= 0 and cells.max() < 1 << CELL_BITS:  # one number per cell, in the same order, sorts much faster
         keys = (cells[:, 0] << 2 * CELL_BITS) | (cells[:, 1] << CELL_BITS) | cells[:, 2]
         _, first, place = np.unique(keys, return_index=True, return_inverse=True)
     else:  # vertices without a face may be far away

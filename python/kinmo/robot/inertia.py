@@ -29,10 +29,7 @@ def inertial_of(meshes: Sequence[Mesh], densities: Sequence[float] | None = None
         meshes: The parts.
         densities: Density of each part in kg/m3. None for `DENSITY`.
     """
-    return joined(
-        _inertial(mesh, density)
-        for mesh, density in zip(meshes, densities or [DENSITY] * len(meshes), strict=True)
-    )
+    return joined(_inertial(mesh, density) for mesh, density in zip(meshes, densities or [DENSITY] * len(meshes), strict=True))
 
 
 def is_solid(mesh: Mesh) -> bool:

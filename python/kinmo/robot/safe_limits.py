@@ -88,9 +88,7 @@ def _apart(
     return [index for index in still if index not in touching]
 
 
-def _is_within(
-    reach: float, points: NDArray[np.float64], every: _core.Meshes, index: int, box: NDArray[np.float64]
-) -> bool:
+def _is_within(reach: float, points: NDArray[np.float64], every: _core.Meshes, index: int, box: NDArray[np.float64]) -> bool:
     """True if one of `points` [N, 3] is at most `reach` from the mesh at `index`, which is inside `box` [2, 3]."""
     wide = reach * (1.0 + 1e-9)  # rounding must not lose a point
     low, high = box[0] - wide, box[1] + wide
