@@ -74,7 +74,8 @@ def compute_contact_graph(shape: ShapeGeometry) -> ContactGraph:
     linked = np.zeros((count, count), bool)
     linked[pairs[:, 0], pairs[:, 1]] = linked[pairs[:, 1], pairs[:, 0]] = True
     degree = np.log1p(linked.sum(axis=0))
-    forward, backward = [], []
+    forward: list[F64] = []
+    backward: list[F64] = []
     for start in range(0, len(pairs), PAIRS_AT_ONCE):
         first, second = pairs[start : start + PAIRS_AT_ONCE].T
         own, its = _contacts(shape, first, second), _contacts(shape, second, first)

@@ -135,7 +135,7 @@ class ShapeGeometry:
         component = self._components(is_other)[others]
         mass = np.bincount(component, self.areas[others])
         rides = np.zeros(len(mass), bool)
-        rides[component[self.touching[:, members].any(axis=1)[others]]] = True
+        rides[component[np.asarray(self.touching[:, members].any(axis=1))[others]]] = True
         rides[np.argmax(mass)] = False
         rides &= mass < MAX_RIDER_AREA * self.areas[list(group)].sum()
         return others[~rides[component]].tolist(), others[rides[component]].tolist()

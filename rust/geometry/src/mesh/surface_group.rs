@@ -24,7 +24,7 @@ pub struct SurfaceGroup<'a> {
     nodes: Vec<Node>,
 }
 
-/// What is still to be searched, the nearest first: squared bits of the distance, node before surface, and index.
+/// What is still to be searched, the nearest first: bits of the distance, node before surface, and index.
 type Queue = BinaryHeap<Reverse<(u64, bool, u32)>>;
 
 impl<'a> SurfaceGroup<'a> {
