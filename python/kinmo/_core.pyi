@@ -447,6 +447,18 @@ def closest_points(meshes: Meshes, group: Sequence[int], points: F64) -> tuple[F
         area is zero.
     """
 
+def closest_points_of_groups(meshes: Meshes, groups: Sequence[Sequence[int]], points: F64) -> tuple[F64, F64, F64]:
+    """Find the nearest point on the surface of each of G parts, for N points each.
+
+    Args:
+        meshes: The meshes.
+        groups: Indices of the meshes of each part.
+        points: The points of each part [G, N, 3].
+
+    Returns:
+        Distances [G, N], nearest points [G, N, 3], and normals [G, N, 3], as `closest_points` has them.
+    """
+
 def surface_patches(meshes: Meshes, mesh: int, *, tolerance: float, crease: float) -> NDArray[np.uint32]:
     """Find the patches of a mesh: faces that are joined across edges without a concave crease between them.
 

@@ -7,7 +7,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.core.loose_pieces import loose_pieces, pieces_of_faces
+from kinmo.core.loose_pieces import loose_pieces, pieces_of_faces, same_vertices
 from kinmo.core.shape import Mesh, join
 
 
@@ -47,3 +47,12 @@ def test_trimesh_finds_the_same_pieces() -> None:
     others = trimesh.Trimesh(whole.vertices, whole.faces).split(only_watertight=False)
     ours = sorted(round(float(piece.face_areas.sum()), 9) for piece in loose_pieces(whole))
     assert ours == sorted(round(float(other.area), 9) for other in others)
+
+
+@given(far=st.sampled_from([-1e9, -1.0, 1e9]), seed=st.integers(0, 2**31))
+def test_vertices_without_a_face_do_not_change_which_vertices_are_the_same(far: float, seed: int) -> None:
+    whole = unwelded(join(box(0.0), box(np.random.default_rng(seed).uniform(0.0, 1.0))))
+    with_far = Mesh(np.concatenate([whole.vertices, [[0.0, far, 0.0]]]), whole.faces)
+    (corners, places, step), (also, also_places, also_step) = same_vertices(whole), same_vertices(with_far)
+    assert step == also_step
+    np.testing.assert_array_equal(places[corners], also_places[also])

@@ -31,6 +31,16 @@ def test_nearest_places_agree_with_trimesh(seed: int) -> None:
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-9)
 
 
+@given(st.integers(0, 10_000))
+def test_groups_have_the_nearest_places_of_each_alone(seed: int) -> None:
+    meshes, _ = solids(seed)
+    groups = [[0], [1], [0, 1], [1, 0], [0]]
+    points = np.random.default_rng(seed + 1).uniform(-2, 2, (len(groups), 7, 3))
+    alone = [_core.closest_points(meshes, group, own) for group, own in zip(groups, points, strict=True)]
+    for found, expected in zip(_core.closest_points_of_groups(meshes, groups, points), zip(*alone, strict=True), strict=True):
+        np.testing.assert_array_equal(found, np.array(expected))
+
+
 @given(st.sampled_from([1e-8, 1.0, 1e8]), st.integers(0, 100))
 def test_any_scale_gives_the_same_places(scale: float, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -58,3 +68,14 @@ def test_a_triangle_without_area_has_no_normal_but_a_place() -> None:
 def test_what_is_refused_is_named(group: list[int], points: np.ndarray, named: str) -> None:
     with pytest.raises(ValueError, match=rf"^{named}"):
         _core.closest_points(solids(0)[0], group, points)
+
+
+@pytest.mark.parametrize(
+    ("groups", "points", "named"),
+    [([[0], []], np.zeros((2, 1, 3)), r"groups\[1\]"), ([[0], [2]], np.zeros((2, 1, 3)), r"groups\[1\]"),
+     ([[0]], np.full((1, 1, 3), np.nan), "points"), ([[0]], np.zeros((1, 3)), "points"),
+     ([[0]], np.zeros((2, 1, 3)), "points")],
+)  # fmt: skip
+def test_what_is_refused_of_groups_is_named(groups: list[list[int]], points: np.ndarray, named: str) -> None:
+    with pytest.raises(ValueError, match=rf"^{named}"):
+        _core.closest_points_of_groups(solids(0)[0], groups, points)

@@ -66,6 +66,9 @@ def _calls() -> dict[str, Call]:
         "box_intersection_volume": Call(_core.box_intersection_volume, boxes),
         "box_iou": Call(_core.box_iou, boxes),
         "closest_points": Call(lambda points: _core.closest_points(parts, [0, 1], points), {"points": clouds[0]}),
+        "closest_points_of_groups": Call(
+            lambda points: _core.closest_points_of_groups(parts, [[0], [1, 0]], points), {"points": clouds}
+        ),
     }
 
 

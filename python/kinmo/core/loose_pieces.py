@@ -11,6 +11,8 @@ from kinmo.core.shape import Mesh
 
 SAME_VERTEX = 5e-5
 """Step of the grid that vertices are rounded to before they are compared, in diagonals of the mesh."""
+CELL_BITS = 21
+"""Bits of a coordinate of a cell of that grid, where three coordinates form one number."""
 MAX_PIECES = 400
 """Most pieces of one mesh."""
 
@@ -55,7 +57,11 @@ def same_vertices(mesh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64], f
     low = used.min(axis=0)
     step = SAME_VERTEX * max(float(np.linalg.norm(used.max(axis=0) - low)), 1e-300)
     cells = np.round((mesh.vertices - low) / step).astype(np.int64)
-    _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    if cells.min() >= 0 and cells.max() < 1 << CELL_BITS:  # one number per cell, in the same order, sorts much faster
+        keys = (cells[:, 0] << 2 * CELL_BITS) | (cells[:, 1] << CELL_BITS) | cells[:, 2]
+        _, first, place = np.unique(keys, return_index=True, return_inverse=True)
+    else:  # vertices without a face may be far away
+        _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     return np.asarray(place.ravel()[mesh.faces], np.int64), mesh.vertices[first], step
 
 

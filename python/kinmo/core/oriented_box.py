@@ -41,11 +41,11 @@ class Box:
 
 
 def have_similar_size(half_extents: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """True for every box whose sorted extents match those of one box within `SIZE_TOLERANCE`.
+    """True for every box whose sorted extents match those of one box, or of its own partner, within `SIZE_TOLERANCE`.
 
     Args:
-        half_extents: [3], in diagonals of the shape.
+        half_extents: [3] of one box, or [..., 3] of a box for each of the others, in diagonals of the shape.
         others: [..., 3], in diagonals of the shape.
     """
-    here, there = np.sort(half_extents)[::-1] + MIN_EXTENT, np.sort(others, axis=-1)[..., ::-1] + MIN_EXTENT
+    here, there = np.sort(half_extents, axis=-1)[..., ::-1] + MIN_EXTENT, np.sort(others, axis=-1)[..., ::-1] + MIN_EXTENT
     return np.asarray((np.abs(np.log(there / here)) < SIZE_TOLERANCE).all(axis=-1))

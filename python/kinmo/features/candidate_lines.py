@@ -21,6 +21,9 @@ SAME_DIRECTION = np.cos(np.radians(0.5))
 SAME_LINE = 0.004
 """Distance, in diagonals at the part, below which parallel lines are one candidate."""
 
+SIGNS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 0.0]])
+"""Places of the lines of a box along one of its axes, in half extents: four edges and the centre line."""
+
 
 class LineSource(IntEnum):
     """Geometry that a candidate axis comes from; the values index the columns of `CandidateLines.sources`."""
@@ -68,15 +71,12 @@ def box_lines(box: Box) -> tuple[F64, F64, NDArray[np.bool_]]:
 
     Pivots are midpoints of the edges, and the box centre.
     """
-    directions, pivots, is_edge = [], [], []
-    for axis in range(3):
-        others = [i for i in range(3) if i != axis]
-        for signs in ((-1, -1), (-1, 1), (1, -1), (1, 1), (0, 0)):
-            offset = sum(s * box.half_extents[i] * box.axes[i] for s, i in zip(signs, others, strict=True))
-            directions.append(box.axes[axis])
-            pivots.append(box.center + offset)
-            is_edge.append(signs != (0, 0))
-    return np.array(directions), np.array(pivots), np.array(is_edge)
+    offsets = []
+    for first, second in ((1, 2), (0, 2), (0, 1)):
+        along = (SIGNS * box.half_extents[[first, second]])[:, :, None] * box.axes[[first, second]]
+        offsets.append(along[:, 0] + along[:, 1])
+    is_edge = np.tile(SIGNS.any(axis=1), 3)
+    return np.repeat(box.axes, len(SIGNS), axis=0), box.center + np.concatenate(offsets), is_edge
 
 
 def merge_lines(directions: F64, pivots: F64, sources: NDArray[np.int64], center: F64) -> CandidateLines:

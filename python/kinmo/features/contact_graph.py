@@ -6,14 +6,14 @@ when the order of the parts changes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinmo import _core
-from kinmo.core.oriented_box import Box, have_similar_size
+from kinmo.core.oriented_box import have_similar_size
 from kinmo.features.round_pieces import RoundPieces
 from kinmo.features.shape_geometry import ShapeGeometry
 
@@ -29,6 +29,8 @@ NEAR = (0.003, 0.01, 0.03)
 """Distances, in diagonals, within which shares of the samples are counted."""
 CONTACT_BAND = 0.005
 """Samples at most so much farther than the nearest one form the contact region."""
+PAIRS_AT_ONCE = 1024
+"""Pairs that are measured together. It bounds the memory, and does not change the result."""
 COAXIAL = np.cos(np.radians(3.0))
 """Least cosine between the lines of coaxial round pieces (3 degrees)."""
 COAXIAL_OFFSET = 0.006
@@ -67,27 +69,27 @@ def compute_contact_graph(shape: ShapeGeometry) -> ContactGraph:
         return ContactGraph(np.zeros((0, 2), np.int64), np.zeros((0, FEATURES), np.float32))
     count = len(shape.areas)
     leaves = [[leaf] for leaf in range(count)]
-    minimum = [Box(*box) for box in zip(*_core.fit_boxes(shape.meshes, leaves), strict=True)]
-    aligned = [Box(*box) for box in zip(*_core.fit_aligned_boxes(shape.meshes, shape.frame, leaves), strict=True)]
+    boxes = _LeafBoxes.of(_core.fit_boxes(shape.meshes, leaves), _core.fit_aligned_boxes(shape.meshes, shape.frame, leaves))
     pieces = [shape.round_pieces.subset(shape.round_pieces.leaves == leaf) for leaf in range(count)]
     linked = np.zeros((count, count), bool)
     linked[pairs[:, 0], pairs[:, 1]] = linked[pairs[:, 1], pairs[:, 0]] = True
     degree = np.log1p(linked.sum(axis=0))
-    forward: list[list[float]] = []
-    backward: list[list[float]] = []
-    for (first, second), gap in zip(pairs.tolist(), gaps, strict=True):
-        own, its = _contact(shape, first, second), _contact(shape, second, first)
-        common = np.log1p((linked[first] & linked[second]).sum())
+    forward: list[F64] = []
+    backward: list[F64] = []
+    for start in range(0, len(pairs), PAIRS_AT_ONCE):
+        first, second = pairs[start : start + PAIRS_AT_ONCE].T
+        own, its = _contacts(shape, first, second), _contacts(shape, second, first)
         shared = [
-            np.log(gap + 1e-4),
-            common,
-            float(_coaxial(pieces[first], pieces[second])),
-            *_box_relation(minimum[first], minimum[second], aligned[first], aligned[second]),
-            *_contact_region(shape, own, its),
+            np.log(gaps[start : start + PAIRS_AT_ONCE] + 1e-4),
+            np.log1p((linked[first] & linked[second]).sum(axis=1)),
+            [float(_coaxial(pieces[one], pieces[other])) for one, other in zip(first, second, strict=True)],
+            _box_relations(boxes, first, second),
+            _contact_regions(shape, own, its),
         ]
         for one, other, here, there, found in ((first, second, own, its, forward), (second, first, its, own, backward)):
-            found.append([*shared, degree[one], degree[other], *_directed(shape, minimum, aligned, one, other, here, there)])
-    features = np.array([*forward, *backward], np.float32)
+            directed = _directed(shape, boxes, one, other, here, there)
+            found.append(np.column_stack([*shared, degree[one], degree[other], directed]))
+    features = np.concatenate([*forward, *backward]).astype(np.float32)
     assert features.shape[1] == FEATURES
     return ContactGraph(np.concatenate([pairs, pairs[:, ::-1]]), features)
 
@@ -120,111 +122,141 @@ def _nearest_boxes(shape: ShapeGeometry, leaf: int) -> NDArray[np.int64]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Contact:
-    """Samples of one leaf near another.
+class _LeafBoxes:
+    """Boxes of all L leaves: the minimum-volume ones, and those along the object's own axes.
 
     Attributes:
-        shares ([3]): Shares of the samples within `NEAR`.
-        points ([n, 3]): Samples in the contact region.
-        toward ([3]): Mean unit vector from the other leaf to them; 0 where the surfaces meet.
-        normal ([3, 3]): Mean outer product of the other leaf's normals there.
+        axes ([L, 3, 3]): Axes of the minimum-volume boxes, the longest first.
+        half_extents ([L, 3]): Half extents of the minimum-volume boxes, in the order of `_core.fit_boxes`.
+        centers ([L, 3]): Centres of the aligned boxes.
+        low, high ([L, 3]): Coordinates of the aligned boxes along the object's own axes, `up` last.
+        volumes ([L]): Volumes of the aligned boxes, with a margin.
     """
 
-    shares: F64
+    axes: F64
+    half_extents: F64
+    centers: F64
+    low: F64
+    high: F64
+    volumes: F64
+
+    @classmethod
+    def of(cls, minimum: tuple[F64, F64, F64], aligned: tuple[F64, F64, F64]) -> _LeafBoxes:
+        """From centres, axes and half extents of the minimum-volume and the aligned boxes."""
+        _, axes, half_extents = minimum
+        centers, frames, half = aligned
+        sorted_axes = np.take_along_axis(axes, np.argsort(-half_extents, axis=1)[:, :, None], axis=1)
+        places = (frames @ centers[:, :, None])[:, :, 0]
+        return cls(sorted_axes, half_extents, centers, places - half, places + half, np.prod(2.0 * half + 1e-3, axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class _Contacts:
+    """Samples of P leaves near P other leaves.
+
+    Attributes:
+        points ([P, n, 3]): Samples of the leaves.
+        near ([P, n] bool): Samples in the contact region.
+        shares ([P, 3]): Shares of the samples within `NEAR`.
+        middles ([P, 3]): Mean of the samples in the contact region.
+        toward ([P, 3]): Mean unit vector from the other leaf to them; 0 where the surfaces meet.
+        normals ([P, 3, 3]): Mean outer product of the other leaf's normals there.
+    """
+
     points: F64
+    near: NDArray[np.bool_]
+    shares: F64
+    middles: F64
     toward: F64
-    normal: F64
+    normals: F64
 
 
-def _contact(shape: ShapeGeometry, leaf: int, other: int) -> _Contact:
-    points = shape.points[leaf, :SAMPLES]
-    distances, nearest, normals = _core.closest_points(shape.meshes, [other], points)
-    near = distances <= distances.min() + CONTACT_BAND
-    offset = points[near] - nearest[near]
-    toward = (offset / np.maximum(np.linalg.norm(offset, axis=1, keepdims=True), 1e-4)).mean(axis=0)
-    shares = np.array([(distances <= limit).mean() for limit in NEAR])
-    return _Contact(shares, points[near], toward, np.einsum("ni,nj->ij", normals[near], normals[near]) / near.sum())
+def _contacts(shape: ShapeGeometry, leaves: NDArray[np.int64], others: NDArray[np.int64]) -> _Contacts:
+    points = shape.points[leaves, :SAMPLES]
+    distances, nearest, normals = _core.closest_points_of_groups(shape.meshes, others[:, None].tolist(), points)
+    near = distances <= distances.min(axis=1, keepdims=True) + CONTACT_BAND
+    count = near.sum(axis=1)[:, None]
+    offset = points - nearest
+    units = offset / np.maximum(np.linalg.norm(offset, axis=-1, keepdims=True), 1e-4)
+    outer = [np.einsum("ni,nj->ij", some, some) for some in (rows[mask] for rows, mask in zip(normals, near, strict=True))]
+    return _Contacts(
+        points,
+        near,
+        np.stack([(distances <= limit).mean(axis=1) for limit in NEAR], axis=1),
+        (points * near[..., None]).sum(axis=1) / count,
+        (units * near[..., None]).sum(axis=1) / count,
+        np.array(outer) / count[..., None],
+    )
 
 
-def _contact_region(shape: ShapeGeometry, own: _Contact, its: _Contact) -> list[float]:
-    """Size and orientation of the contact region of a pair, the same from both sides."""
-    points = np.concatenate([own.points, its.points])
-    spread = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(points.T) if len(points) > 1 else np.zeros((3, 3))), 0.0))[::-1]
-    tensor = 0.5 * (own.normal + its.normal)
-    return [*np.log(spread + 1e-3), float(shape.up @ tensor @ shape.up), float(np.linalg.eigvalsh(tensor)[-1])]
+def _contact_regions(shape: ShapeGeometry, own: _Contacts, its: _Contacts) -> F64:
+    """Sizes and orientations [P, 5] of the contact regions of pairs, the same from both sides."""
+    rows = zip(own.points, own.near, its.points, its.near, strict=True)
+    regions = (np.concatenate([here[close], there[closer]]) for here, close, there, closer in rows)
+    spread = np.sqrt(np.maximum(np.linalg.eigvalsh(np.array([np.cov(region.T) for region in regions])), 0.0))[:, ::-1]
+    tensors = 0.5 * (own.normals + its.normals)
+    upright = np.einsum("i,pij,j->p", shape.up, tensors, shape.up)
+    return np.column_stack([np.log(spread + 1e-3), upright, np.linalg.eigvalsh(tensors)[:, -1]])
 
 
-def _box_relation(first: Box, second: Box, first_aligned: Box, second_aligned: Box) -> list[float]:
-    """Relation of two boxes that is the same from both sides."""
-    low = np.maximum(_low(first_aligned), _low(second_aligned))
-    high = np.minimum(_high(first_aligned), _high(second_aligned))
-    common = float(np.prod(np.maximum(high - low, 0.0) + 1e-3))
-    union = np.maximum(_high(first_aligned), _high(second_aligned)) - np.minimum(_low(first_aligned), _low(second_aligned))
-    volumes = [float(np.prod(2.0 * box.half_extents + 1e-3)) for box in (first_aligned, second_aligned)]
-    cosines = np.abs(_sorted_axes(first) @ _sorted_axes(second).T)
-    return [
-        common / min(volumes),
-        common / max(volumes),
-        np.log(float(np.prod(union + 1e-3)) / sum(volumes)),
-        float(have_similar_size(first.half_extents, second.half_extents)),
-        *np.diag(cosines),
-        float(cosines.max(axis=1).min()),
-    ]
+def _box_relations(boxes: _LeafBoxes, first: NDArray[np.int64], second: NDArray[np.int64]) -> F64:
+    """Relations [P, 8] of the boxes of pairs that are the same from both sides."""
+    low, high = np.maximum(boxes.low[first], boxes.low[second]), np.minimum(boxes.high[first], boxes.high[second])
+    common = np.prod(np.maximum(high - low, 0.0) + 1e-3, axis=1)
+    union = np.maximum(boxes.high[first], boxes.high[second]) - np.minimum(boxes.low[first], boxes.low[second])
+    volumes = boxes.volumes[first], boxes.volumes[second]
+    cosines = np.abs(boxes.axes[first] @ boxes.axes[second].transpose(0, 2, 1))
+    return np.column_stack(
+        [
+            common / np.minimum(*volumes),
+            common / np.maximum(*volumes),
+            np.log(np.prod(union + 1e-3, axis=1) / (volumes[0] + volumes[1])),
+            have_similar_size(boxes.half_extents[first], boxes.half_extents[second]),
+            np.diagonal(cosines, axis1=1, axis2=2),
+            cosines.max(axis=2).min(axis=1),
+        ]
+    )
 
 
 def _directed(
-    shape: ShapeGeometry, minimum: Sequence[Box], aligned: Sequence[Box], one: int, other: int, here: _Contact, there: _Contact
-) -> list[float]:
-    """Sizes, places and contact of leaf `other` as seen from leaf `one`."""
-    up, box, its = shape.up, minimum[one], minimum[other]
-    sizes = np.sort(its.half_extents)[::-1] + 1e-3, np.sort(box.half_extents)[::-1] + 1e-3
-    offset = aligned[other].center - aligned[one].center
-    rise = float(offset @ up)
-    reach = 2.0 * float(np.linalg.norm(box.half_extents)) + 1e-3
-    middle = np.mean(here.points, axis=0) - aligned[one].center
-    axes = _sorted_axes(box)
-    low, high = _low(aligned[one]), _high(aligned[one])
-    its_low, its_high = _low(aligned[other]), _high(aligned[other])
+    shape: ShapeGeometry, boxes: _LeafBoxes, one: NDArray[np.int64], other: NDArray[np.int64], here: _Contacts, there: _Contacts
+) -> F64:
+    """Sizes, places and contact [P, 29] of the leaves `other` as seen from the leaves `one`."""
+    up, axes = shape.up, boxes.axes[one]
+    its_sizes, sizes = (np.sort(boxes.half_extents[leaves], axis=1)[:, ::-1] + 1e-3 for leaves in (other, one))
+    offset = boxes.centers[other] - boxes.centers[one]
+    rise = offset @ up
+    reach = 2.0 * np.linalg.norm(boxes.half_extents[one], axis=1) + 1e-3
+    middle = here.middles - boxes.centers[one]
+    low, high, its_low, its_high = boxes.low[one], boxes.high[one], boxes.low[other], boxes.high[other]
     size = high - low + 1e-3
     inside = np.maximum(np.minimum(high, its_high) - np.maximum(low, its_low), 0.0) / size
-    return [
-        np.log(shape.areas[other] + 1e-7) - np.log(shape.areas[one] + 1e-7),
-        *np.log(sizes[0] / sizes[1]),
-        *here.shares,
-        *there.shares,
-        rise / reach,
-        float(np.linalg.norm(offset - rise * up)) / reach,
-        float(np.linalg.norm(middle)) / reach,
-        float(middle @ up) / reach,
-        *np.sqrt(np.maximum(np.einsum("ai,ij,aj->a", axes, here.normal, axes), 0.0)),
-        *np.abs(axes @ here.toward),
-        float(here.toward @ up),
-        float(np.linalg.norm(here.toward)),
-        *np.sort(inside[:2]),
-        inside[2],
-        *np.sort(np.clip((its_high - high)[:2] / size[:2], -2.0, 2.0)),
-        float(np.clip((its_high - high)[2] / size[2], -2.0, 2.0)),
-        float(np.clip((low - its_low)[2] / size[2], -2.0, 2.0)),
-    ]
+    above, below = (np.clip(gap / size, -2.0, 2.0) for gap in (its_high - high, low - its_low))
+    return np.column_stack(
+        [
+            np.log(shape.areas[other] + 1e-7) - np.log(shape.areas[one] + 1e-7),
+            np.log(its_sizes / sizes),
+            here.shares,
+            there.shares,
+            rise / reach,
+            np.linalg.norm(offset - rise[:, None] * up, axis=1) / reach,
+            np.linalg.norm(middle, axis=1) / reach,
+            middle @ up / reach,
+            np.sqrt(np.maximum(np.einsum("pai,pij,paj->pa", axes, here.normals, axes), 0.0)),
+            np.abs(axes @ here.toward[:, :, None])[:, :, 0],
+            here.toward @ up,
+            np.linalg.norm(here.toward, axis=1),
+            np.sort(inside[:, :2], axis=1),
+            inside[:, 2],
+            np.sort(above[:, :2], axis=1),
+            above[:, 2],
+            below[:, 2],
+        ]
+    )
 
 
 FEATURES = 47
 """Number of features of a pair."""
-
-
-def _low(box: Box) -> F64:
-    """Lowest coordinates [3] of a box along the object's own axes, `up` last."""
-    return np.asarray(box.axes @ box.center - box.half_extents)
-
-
-def _high(box: Box) -> F64:
-    """Highest coordinates [3] of a box along the object's own axes, `up` last."""
-    return np.asarray(box.axes @ box.center + box.half_extents)
-
-
-def _sorted_axes(box: Box) -> F64:
-    """Axes [3, 3] of a box, the longest first."""
-    return np.asarray(box.axes[np.argsort(-box.half_extents)])
 
 
 def _coaxial(first: RoundPieces, second: RoundPieces) -> bool:

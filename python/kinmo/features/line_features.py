@@ -98,9 +98,9 @@ def line_features(shape: ShapeGeometry, group: GroupGeometry, lines: CandidateLi
         thick = np.minimum(pieces.radii[longest] / reach, 1.0)
         return np.where(about.any(axis=1, keepdims=True), np.stack([long, thick], axis=1), 0.0)
 
-    area = shape.areas[list(group.leaves)]
-    details = [leaf for leaf, a in zip(group.leaves, area, strict=True) if a < DETAIL_AREA * area.sum()]
-    nearby = [leaf for leaf in group.rest if shape.areas[leaf] < DETAIL_AREA * area.sum()]
+    leaves, rest_leaves = np.array(group.leaves, np.int64), np.array(group.rest, np.int64)
+    detail_area = DETAIL_AREA * shape.areas[leaves].sum()
+    details, nearby = (some[shape.areas[some] < detail_area] for some in (leaves, rest_leaves))
     features = {
         "against up": np.abs(d @ up),
         "against outward": np.abs(d @ outward),

@@ -63,6 +63,8 @@ class RoundPieces:
 
     def nearest_to(self, point: F64) -> RoundPieces:
         """The pieces, `MAX_PIECES` or fewer, whose lines pass nearest to `point` [3]."""
+        if not len(self):
+            return self
         distances = np.linalg.norm(np.cross(point - self.middles, self.directions), axis=1)
         return self.subset(np.sort(np.argsort(distances, kind="stable")[:MAX_PIECES]))
 
@@ -75,6 +77,8 @@ def joint_pieces(
     A piece of a touched leaf is at most `near` from the group. Of both, the pieces nearest to the middle `contact` [3] of the
     group's contact region are kept.
     """
+    if not len(pieces):
+        return pieces, pieces
     own = np.isin(pieces.leaves, group)
     others = pieces.subset(~own & touched[pieces.leaves])
     if len(others):

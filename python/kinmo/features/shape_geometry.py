@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from kinmo import _core
 from kinmo.features.prepared_shape import PreparedShape
@@ -127,13 +126,43 @@ class ShapeGeometry:
 
         Riders are small leaves that touch the group and nothing else that stays, such as a knob on a door.
         """
-        others = np.setdiff1d(np.arange(len(self.areas)), np.asarray(group))
+        members = np.asarray(group)
+        is_other = np.ones(len(self.areas), bool)
+        is_other[members] = False
+        others = np.flatnonzero(is_other)
         if len(others) == 0:
             return [], []
-        _, component = connected_components(self.touching[others][:, others], directed=False)
+        component = self._components(is_other)[others]
         mass = np.bincount(component, self.areas[others])
         rides = np.zeros(len(mass), bool)
-        rides[component[self.touching[others][:, np.asarray(group)].any(axis=1)]] = True
+        rides[component[np.asarray(self.touching[:, members].any(axis=1))[others]]] = True
         rides[np.argmax(mass)] = False
         rides &= mass < MAX_RIDER_AREA * self.areas[list(group)].sum()
         return others[~rides[component]].tolist(), others[rides[component]].tolist()
+
+    @cached_property
+    def _touched(self) -> list[set[int]]:
+        """Positions of the leaves that each leaf touches."""
+        return [set(np.flatnonzero(row).tolist()) for row in self.touching]
+
+    def _components(self, chosen: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Number [L] of the connected component of each of the `chosen` [L] leaves by touch; -1 for the others.
+
+        The components are numbered by their first leaves.
+        """
+        component = [-1] * len(chosen)
+        leaves = np.flatnonzero(chosen).tolist()
+        waiting, count = set(leaves), 0
+        for start in leaves:
+            if start not in waiting:
+                continue
+            waiting.remove(start)
+            stack = [start]
+            while stack:
+                leaf = stack.pop()
+                component[leaf] = count
+                found = self._touched[leaf] & waiting
+                waiting -= found
+                stack.extend(found)
+            count += 1
+        return np.array(component, np.int64)

@@ -29,32 +29,26 @@ def inertial_of(meshes: Sequence[Mesh], densities: Sequence[float] | None = None
         meshes: The parts.
         densities: Density of each part in kg/m3. None for `DENSITY`.
     """
-    return joined(
-        solid_inertial(mesh, density) if is_solid(mesh) else box_inertial(mesh, density)
-        for mesh, density in zip(meshes, densities or [DENSITY] * len(meshes), strict=True)
-    )
+    return joined(_inertial(mesh, density) for mesh, density in zip(meshes, densities or [DENSITY] * len(meshes), strict=True))
 
 
 def is_solid(mesh: Mesh) -> bool:
     """True for a closed surface that faces outwards and is as thick as `MIN_EXTENT`.
 
-    The moments of a closed surface that cuts through itself may be those of no body, and are not used either.
+    A closed surface that cuts through itself may have moments of no body. It is not solid either.
     """
-    if not is_closed(mesh):
-        return False
-    volume, first, second = _moments(mesh)
-    if volume <= 0.0:
-        return False
-    spread = second / volume - np.outer(first, first) / volume**2
-    return bool(np.linalg.eigvalsh(spread)[0] >= MIN_EXTENT**2 / 12.0)
+    return _solid_moments(mesh) is not None
 
 
-def solid_inertial(mesh: Mesh, density: float) -> Inertial:
-    """Mass and inertia of the volume inside a closed surface.
+def _inertial(mesh: Mesh, density: float) -> Inertial:
+    """Mass and inertia of the volume inside a closed surface that faces outwards, or else of the box around a surface.
 
     Source: Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, 2004.
     """
-    volume, first, second = _moments(mesh)
+    moments = _solid_moments(mesh)
+    if moments is None:
+        return box_inertial(mesh, density)
+    volume, first, second = moments
     center = first / volume
     spread = density * (second - volume * np.outer(center, center))
     return Inertial(density * volume, center, np.trace(spread) * np.eye(3) - spread)
@@ -80,6 +74,17 @@ def joined(inertials: Iterable[Inertial]) -> Inertial:
         inertia += each.inertia + each.mass * (away @ away * np.eye(3) - np.outer(away, away))
     denser = max(1.0, MIN_MASS / mass)
     return Inertial(denser * mass, center, denser * inertia)
+
+
+def _solid_moments(mesh: Mesh) -> tuple[float, Vector, Vector] | None:
+    """`_moments` of a solid, see `is_solid`. None for another surface."""
+    if not is_closed(mesh):
+        return None
+    volume, first, second = _moments(mesh)
+    if volume <= 0.0:
+        return None
+    spread = second / volume - np.outer(first, first) / volume**2
+    return (volume, first, second) if np.linalg.eigvalsh(spread)[0] >= MIN_EXTENT**2 / 12.0 else None
 
 
 def _moments(mesh: Mesh) -> tuple[float, Vector, Vector]:

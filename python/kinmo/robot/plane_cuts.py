@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
-from trimesh.intersections import slice_faces_plane
 
 from kinmo import _core
 from kinmo.core.loose_pieces import has_border, pieces_of_faces
@@ -235,6 +234,8 @@ def _apart(mesh: Mesh) -> list[Mesh]:
 
 def _cut(mesh: Mesh, normal: F64, level: float) -> Mesh:
     """The part of a surface at or above `level` along a unit vector."""
+    from trimesh.intersections import slice_faces_plane  # trimesh takes long to import, and few exports need it
+
     faces = mesh.faces.astype(np.int64)
     vertices, faces, _ = slice_faces_plane(mesh.vertices, faces, normal, level * normal)  # type: ignore[no-untyped-call]
     return Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32)).compact

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo import _core
 from kinmo.core.shape import Mesh, bounds_of
@@ -41,11 +42,12 @@ def with_safe_limits(robot: Robot) -> Robot:
         return robot
     meshes = [visual.mesh for visual in visuals]
     every = _core.Meshes([mesh.vertices for mesh in meshes], [mesh.faces for mesh in meshes])
+    boxes = np.array([(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in meshes])
     joints = []
     for joint in robot.joints:
         is_moving = np.isin(links, robot.links_below(joint.child))
         moving, still = (np.flatnonzero(own).tolist() for own in (is_moving, ~is_moving))
-        obstacles = _apart(every, meshes, moving, still, TOUCH * robot.diagonal)
+        obstacles = _apart(every, meshes, boxes, moving, still, TOUCH * robot.diagonal)
         origin = robot.links[joint.child].origin
         stopped = _stopped(joint, origin, every, moving, obstacles) if moving and obstacles else joint
         joints.append(_kept_inside(stopped, robot))
@@ -63,22 +65,35 @@ def stop_notes(before: Sequence[RobotJoint], after: Sequence[RobotJoint]) -> tup
     return tuple(found)
 
 
-def _apart(every: _core.Meshes, meshes: Sequence[Mesh], moving: Sequence[int], still: Sequence[int], touch: float) -> list[int]:
-    """Those of the parts that stay which do not touch a moving one."""
+def _apart(
+    every: _core.Meshes,
+    meshes: Sequence[Mesh],
+    boxes: NDArray[np.float64],
+    moving: Sequence[int],
+    still: Sequence[int],
+    touch: float,
+) -> list[int]:
+    """Those of the parts that stay which do not touch a moving one; `boxes` [N, 2, 3] has corners around all parts."""
     if not moving or not still:
         return []
     low, high = bounds_of(meshes[index] for index in moving)
-    near = []
-    for index in still:
-        least, most = meshes[index].vertices.min(axis=0), meshes[index].vertices.max(axis=0)
-        if np.all(least <= high + touch) and np.all(most >= low - touch):
-            near.append(index)
+    around = boxes[list(still)]
+    is_near = np.all((around[:, 0] <= high + touch) & (around[:, 1] >= low - touch), axis=1)
+    near = np.asarray(still)[is_near].tolist()
     if not near:
         return list(still)
     own = _core.Meshes([meshes[index].vertices for index in moving], [meshes[index].faces for index in moving])
     points = np.concatenate([each.astype(np.float64) for each in _core.sample_surface(own, SAMPLES)[0]])
-    touching = {index for index in near if float(_core.closest_points(every, [index], points)[0].min()) <= touch}
+    touching = {index for index in near if _is_within(touch, points, every, index, boxes[index])}
     return [index for index in still if index not in touching]
+
+
+def _is_within(reach: float, points: NDArray[np.float64], every: _core.Meshes, index: int, box: NDArray[np.float64]) -> bool:
+    """True if one of `points` [N, 3] is at most `reach` from the mesh at `index`, which is inside `box` [2, 3]."""
+    wide = reach * (1.0 + 1e-9)  # rounding must not lose a point
+    low, high = box[0] - wide, box[1] + wide
+    close = points[np.all((points >= low) & (points <= high), axis=1)]
+    return bool(len(close)) and float(_core.closest_points(every, [index], close)[0].min()) <= reach
 
 
 def _kept_inside(joint: RobotJoint, robot: Robot) -> RobotJoint:

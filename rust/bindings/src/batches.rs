@@ -39,7 +39,7 @@ pub fn filter_map_in_batches<I: Send, T: Send>(
     while items.peek().is_some() {
         let batch: Vec<I> = items.by_ref().take(size).collect();
         let started = Instant::now();
-        results.extend(py.detach(|| match threads {
+        results.extend(py.detach(|| match threads.min(batch.len()) {
             // The work stays on this thread. Waking a single other thread costs as much as many items, and a forked
             // process has no other.
             1 => batch.into_iter().filter_map(&work).collect::<Vec<T>>(),

@@ -12,6 +12,7 @@ pub mod mesh {
     pub(crate) mod disjoint_sets;
     pub mod part_surface;
     pub mod point_projection;
+    pub mod surface_group;
     pub mod surface_patches;
     pub mod triangle;
     pub mod triangle_mesh;

@@ -9,7 +9,6 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape
@@ -246,7 +245,9 @@ class _MjcfRobot:
         if "face" not in asset:
             if np.linalg.matrix_rank(vertices - vertices[0]) < 3:
                 raise InputError(self.path, "expected vertices around a volume", "mesh vertex")
-            hull = trimesh.convex.convex_hull(vertices)
+            from trimesh.convex import convex_hull  # trimesh takes long to import, and few files need it
+
+            hull = convex_hull(vertices)
             return Mesh(np.array(hull.vertices, np.float64), np.array(hull.faces, np.uint32))
         faces = read_list(self.path, asset, "face", 3, 2 * most)
         if len(faces) % 3 or np.any((faces < 0) | (faces >= len(vertices)) | (faces % 1 != 0)):

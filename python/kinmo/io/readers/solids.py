@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from kinmo.core.shape import Mesh
@@ -16,33 +15,40 @@ _SECTIONS = 32
 
 def box(size: NDArray[np.float64]) -> Mesh:
     """A box with sides of the lengths `size` [3]."""
-    return _mesh(trimesh.creation.box(size))
+    return _mesh(_creation().box(size))
 
 
 def ellipsoid(radii: NDArray[np.float64]) -> Mesh:
     """An ellipsoid with the radii [3]."""
-    sphere = trimesh.creation.icosphere()
+    sphere = _creation().icosphere()
     sphere.apply_scale(radii)  # trimesh has no sphere of radius 0
     return _mesh(sphere)
 
 
 def cylinder(radius: float, height: float) -> Mesh:
     """A cylinder."""
-    return _mesh(trimesh.creation.cylinder(radius, height, sections=_SECTIONS))
+    return _mesh(_creation().cylinder(radius, height, sections=_SECTIONS))
 
 
 def capsule(radius: float, height: float) -> Mesh:
     """A capsule. Its height is that of the cylinder between the half spheres."""
-    solid = trimesh.creation.capsule(height, radius, count=(24, 24))
+    solid = _creation().capsule(height, radius, count=(24, 24))
     solid.vertices -= solid.bounds.mean(axis=0)
     return _mesh(solid)
 
 
 def cone(radius: float, height: float) -> Mesh:
     """A cone whose tip is at half of the height."""
-    solid = trimesh.creation.cone(radius, height, sections=_SECTIONS)
+    solid = _creation().cone(radius, height, sections=_SECTIONS)
     solid.vertices -= [0.0, 0.0, 0.5 * height]
     return _mesh(solid)
+
+
+def _creation() -> Any:
+    """The module of trimesh that makes solids. It takes long to import, and few files need it."""
+    from trimesh import creation
+
+    return creation
 
 
 def _mesh(solid: Any) -> Mesh:

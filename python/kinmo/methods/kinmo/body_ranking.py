@@ -72,13 +72,16 @@ def rank_bodies(
     return estimates
 
 
-def features_of_groups(shape: PreparedShape, geometry: ShapeGeometry | None, groups: Sequence[Group]) -> CandidateFeatures:
-    """Candidate features of groups of leaves. Those that the shape was prepared with are reused.
+def features_of_groups(
+    shape: PreparedShape, geometry: ShapeGeometry | None, groups: Sequence[Group], known: CandidateFeatures | None = None
+) -> CandidateFeatures:
+    """Candidate features of groups of leaves. Those that are `known`, or else those of the prepared shape, are reused.
 
     Raises:
         ValueError: A group needs the geometry, and there is none.
     """
-    known = CandidateFeatures.of(shape.candidate_features) if shape.candidate_features else None
+    if known is None and shape.candidate_features:
+        known = CandidateFeatures.of(shape.candidate_features)
     if known is not None and all(group in known.group_of for group in groups):
         return known
     if geometry is None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kinmo.core.joint import Joint
 from kinmo.core.motion_types import MotionType
 from kinmo.core.shape_estimate import JointEstimate
+from kinmo.features.candidate_features import CandidateFeatures
 from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.symmetric_box import symmetric_box
 from kinmo.methods.kinmo.body_ranking import features_of_groups
@@ -41,12 +42,14 @@ class SelectedBodies:
         ranked: Ranked joints of each body, in the normalised frame and without limits.
         missed_motion_probability: Largest probability that a large proposal moves although it is not chosen. Proposals that
             overlap a chosen one do not count.
+        features: Candidate features of all proposals; None without proposals.
     """
 
     bodies: tuple[Group, ...]
     parents: tuple[int | None, ...]
     ranked: tuple[tuple[JointEstimate, ...], ...]
     missed_motion_probability: float
+    features: CandidateFeatures | None = None
 
 
 def select_bodies(grouped: GroupedShape, geometry: ShapeGeometry, ranker: JointRanker) -> SelectedBodies:
@@ -81,6 +84,7 @@ def select_bodies(grouped: GroupedShape, geometry: ShapeGeometry, ranker: JointR
         (None, *_parents([proposals[row] for row in rows])),
         (_base_at_rest(), *(found[row] for row in rows)),
         _missed_motion(proposals, moves, [proposals[row] for row in rows], shape.leaf_areas),
+        features,
     )
 
 

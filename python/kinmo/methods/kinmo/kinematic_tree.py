@@ -13,7 +13,7 @@ from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, descendants
 from kinmo.core.shape_estimate import JointEstimate
 from kinmo.features.candidate_features import CandidateFeatures
-from kinmo.features.group_geometry import CONTACT_SCALE
+from kinmo.features.group_geometry import CONTACT_SCALE, GroupGeometry, group_geometries
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.travel_features import FREE
@@ -35,6 +35,7 @@ def build_tree(
     ranked: Sequence[tuple[JointEstimate, ...]],
     limiter: LimitsPredictor,
     known: Sequence[int | None] | None = None,
+    features: CandidateFeatures | None = None,
 ) -> tuple[tuple[Body, ...], list[tuple[JointEstimate, ...]]]:
     """Bodies with their parents and best joints, and all ranked joints with limits, in the normalised frame.
 
@@ -46,10 +47,11 @@ def build_tree(
         ranked: Ranked joints of each body, without limits.
         limiter: The limits network.
         known: Parent of each body where it is known; None where it is not.
+        features: Candidate features that are computed already. None for those that the shape was prepared with.
     """
     parents = find_parents(geometry, bodies, [found[0].joint is not None for found in ranked], known)
     with_joints = [body for body, found in zip(bodies, ranked, strict=True) if any(each.joint is not None for each in found)]
-    limits = ShapeLimits(shape, geometry, features_of_groups(shape, geometry, with_joints), limiter)
+    limits = ShapeLimits(shape, geometry, features_of_groups(shape, geometry, with_joints, features), limiter)
     limited = []
     for index, (leaves, found) in enumerate(zip(bodies, ranked, strict=True)):
         moving = sorted(leaf for body in descendants(parents, index) for leaf in bodies[body])
@@ -80,7 +82,9 @@ def find_parents(
         _, riders = geometry.surroundings(leaves)
         others = [place for place, other in enumerate(bodies) if place != index and other and not set(other) <= set(riders)]
         if others:
-            gaps = np.array([_core.closest_points(geometry.meshes, list(bodies[place]), points)[0] for place in others])
+            around = [list(bodies[place]) for place in others]
+            everywhere = np.broadcast_to(points, (len(around), *points.shape))
+            gaps, _, _ = _core.closest_points_of_groups(geometry.meshes, around, everywhere)
             affinity[index, others] = np.exp(-(gaps - gaps.min()) / CONTACT_SCALE).mean(axis=1)
     for flat in np.argsort(-affinity, axis=None, kind="stable"):
         index, other = divmod(int(flat), len(bodies))
@@ -115,14 +119,17 @@ class ShapeLimits:
         The best joint is swept alone, so that its limits do not depend on the others. `leaves` are the positions of the body's
         leaves, `moving` those of all leaves that move with it.
         """
-        return (*self._added(ranked[:1], leaves, moving), *self._added(ranked[1:], leaves, moving))
+        if all(estimate.joint is None for estimate in ranked):
+            return tuple(ranked)
+        (group,) = group_geometries(self.geometry, [leaves])
+        return (*self._added(ranked[:1], group, moving), *self._added(ranked[1:], group, moving))
 
-    def _added(self, ranked: Sequence[JointEstimate], leaves: tuple[int, ...], moving: Sequence[int]) -> list[JointEstimate]:
+    def _added(self, ranked: Sequence[JointEstimate], group: GroupGeometry, moving: Sequence[int]) -> list[JointEstimate]:
         joints = {place: estimate.joint for place, estimate in enumerate(ranked) if estimate.joint is not None}
         limited = list(ranked)
         if not joints:
             return limited
-        inputs, scales = body_inputs(self.shape, self.geometry, self.features, leaves, moving, list(joints.values()))
+        inputs, scales = body_inputs(self.shape, self.geometry, self.features, group, moving, list(joints.values()))
         travel, is_limited = self.limiter.travel(inputs)
         free = inputs.directed[:, :, FREE].astype(np.float64)
         for row, (place, joint) in enumerate(joints.items()):

@@ -59,7 +59,9 @@ class KinmoMethod(Method):
         bare, geometry = replace(shape, mobility=None), ShapeGeometry.of_prepared(shape, meshes)
         found = select_bodies(self._grouped(bare), geometry, self._ranker(shape))
         names = ["base", *(_name_of(shape, body) for body in found.bodies[1:])]
-        tree, limited = build_tree(bare, geometry, found.bodies, names, found.ranked, self._limiter(shape), found.parents)
+        tree, limited = build_tree(
+            bare, geometry, found.bodies, names, found.ranked, self._limiter(shape), found.parents, found.features
+        )
         prediction = self._in_file_frame(shape, tree, limited)
         return replace(prediction, missed_motion_probability=found.missed_motion_probability)
 

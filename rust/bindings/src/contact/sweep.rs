@@ -51,9 +51,7 @@ fn sweep<'py>(
     let options = options_of(probes, steps, tolerance, ignored_share).map_err(value_error)?;
     let joints = JointArguments { kinds, directions, pivots, lower, upper, pitches };
     let candidates = joints.candidates().map_err(value_error)?;
-    map_in_batches(py, moving.iter().chain(&obstacles), |&mesh| {
-        meshes.tree(mesh);
-    })?;
+    meshes.build_trees(py, moving.iter().chain(&obstacles).copied())?;
     let solids = |body: &[usize]| -> Vec<BodyMesh<'_>> {
         body.iter().map(|&mesh| BodyMesh { mesh: &meshes.parts[mesh], tree: meshes.tree(mesh) }).collect()
     };

@@ -34,6 +34,25 @@ impl Meshes {
     pub fn projection_tree(&self, part: usize) -> &ProjectionTree {
         self.projection_trees[part].get_or_init(|| ProjectionTree::new(&self.parts[part]))
     }
+
+    /// Builds the bounding volume hierarchies of some parts in parallel, where they are not built yet.
+    pub fn build_trees(&self, py: Python<'_>, parts: impl IntoIterator<Item = usize>) -> PyResult<()> {
+        let missing: Vec<usize> = parts.into_iter().filter(|&part| self.trees[part].get().is_none()).collect();
+        map_in_batches(py, missing, |part| {
+            self.tree(part);
+        })?;
+        Ok(())
+    }
+
+    /// Builds the projection trees of some parts in parallel, where they are not built yet.
+    pub fn build_projection_trees(&self, py: Python<'_>, parts: &[usize]) -> PyResult<()> {
+        let missing: Vec<usize> =
+            parts.iter().copied().filter(|&part| self.projection_trees[part].get().is_none()).collect();
+        map_in_batches(py, missing, |part| {
+            self.projection_tree(part);
+        })?;
+        Ok(())
+    }
 }
 
 #[pymethods]

@@ -44,6 +44,9 @@ impl CandidateJoint {
 /// Largest number of steps of a straight motion. It affects the time, not the result.
 const STRAIGHT_STEPS: usize = 5;
 
+/// Largest rounding error of a coordinate, in diagonals of the swept box.
+const ROUNDING: f64 = 1e-9;
+
 /// Resolution and tolerances of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepOptions {
@@ -82,12 +85,15 @@ impl<'a> ProbeSide<'a> {
         options: &SweepOptions,
     ) -> Self {
         let tolerance = options.tolerance * reached.squared_diagonal().min(region.squared_diagonal()).sqrt();
-        let trees: Vec<&Bvh> = other.iter().map(|solid| solid.tree).collect();
+        // No path leaves the reached box, but for rounding.
+        let near = reached.grown(ROUNDING * reached.squared_diagonal().sqrt());
+        let is_near = |tree: &&Bvh| tree.bounds().squared_distance(&near) == 0.0;
+        let trees: Vec<&Bvh> = other.iter().map(|solid| solid.tree).filter(is_near).collect();
         let bounds = bounds_of(other).intersection(reached);
         Self {
             probes: sample_probes(body, other, region, options.probes, tolerance),
+            grid: bounds.map(|bounds| ClearanceGrid::new(&trees, &bounds)),
             trees,
-            grid: bounds.map(|bounds| ClearanceGrid::new(&other.iter().map(|s| s.tree).collect::<Vec<_>>(), &bounds)),
         }
     }
 

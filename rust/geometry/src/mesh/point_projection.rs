@@ -1,6 +1,7 @@
-//! Nearest points on surfaces, by parry's bounding volume hierarchy.
+//! Nearest points on a surface, by parry's bounding volume hierarchy.
 
 use nalgebra::{Point3, Vector3};
+use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d_f64::query::PointQuery;
@@ -14,6 +15,11 @@ fn to_parry(point: &Point3<f64>) -> Vector {
 
 fn from_parry(vector: Vector) -> Vector3<f64> {
     Vector3::new(vector.x, vector.y, vector.z)
+}
+
+/// Distance from `point` to a box; 0 inside.
+pub(crate) fn distance_to_box(bounds: &Aabb, point: &Point3<f64>) -> f64 {
+    bounds.distance_to_local_point(to_parry(point), true)
 }
 
 /// The triangles of a mesh, arranged for projecting points onto them.
@@ -45,9 +51,9 @@ impl ProjectionTree {
         Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), triangles }
     }
 
-    /// Distance from `point` to the box around the surface; 0 inside.
-    pub fn distance_to_bounds(&self, point: &Point3<f64>) -> f64 {
-        self.tree.root_aabb().distance_to_local_point(to_parry(point), true)
+    /// Box around the surface.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.tree.root_aabb()
     }
 
     /// Nearest point of the surface to `point`; `None` unless it is nearer than `reach`.
@@ -65,50 +71,5 @@ impl ProjectionTree {
         let scaled = from_parry((b - a).cross(c - a));
         let normal = scaled.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector3::zeros);
         Some(NearestPoint { distance, point: Point3::from(from_parry(place)), normal })
-    }
-}
-
-/// Nearest point to `point` on any of `surfaces`; `None` if there are no surfaces.
-pub fn nearest_point(surfaces: &[&ProjectionTree], point: &Point3<f64>) -> Option<NearestPoint> {
-    // The surface with the nearest box most often has the nearest point. Its distance prunes the others.
-    let mut order: Vec<_> = surfaces.iter().map(|surface| (surface.distance_to_bounds(point), *surface)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Option<NearestPoint> = None;
-    for (at_least, surface) in order {
-        let reach = best.map_or(f64::MAX, |found| found.distance);
-        if at_least > reach {
-            break;
-        }
-        best = surface.nearest_within(point, reach).or(best);
-    }
-    best
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-    use crate::mesh::triangle::point_triangle;
-    use crate::test_shapes::triangle_soup;
-
-    proptest! {
-        #[test]
-        fn no_triangle_is_nearer_than_the_nearest_point(
-            meshes in prop::collection::vec(triangle_soup(7), 1..4), point in prop::array::uniform3(-3.0..3.0f64),
-        ) {
-            let point = Point3::from(point);
-            let surfaces: Vec<ProjectionTree> = meshes.iter().map(ProjectionTree::new).collect();
-            let found = nearest_point(&surfaces.iter().collect::<Vec<_>>(), &point).expect("there are surfaces");
-            let triangles: Vec<_> = meshes.iter().flat_map(|mesh| (0..mesh.faces().len()).map(|face| mesh.triangle(face))).collect();
-            let expected = triangles.iter().map(|triangle| point_triangle(&point, triangle)).fold(f64::INFINITY, f64::min);
-            prop_assert!((found.distance - expected.sqrt()).abs() < 1e-9);
-            prop_assert!(((found.point - point).norm() - found.distance).abs() < 1e-12);
-            let holds = |triangle: &[Point3<f64>; 3]| {
-                let [u, v] = [triangle[1] - triangle[0], triangle[2] - triangle[0]];
-                point_triangle(&found.point, triangle) < 1e-18 && u.dot(&found.normal).abs() + v.dot(&found.normal).abs() < 1e-9
-            };
-            prop_assert!(triangles.iter().any(holds));
-        }
     }
 }

@@ -16,7 +16,7 @@ from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint
 from kinmo.core.mobility import descendants
 from kinmo.features.candidate_features import CandidateFeatures
-from kinmo.features.group_geometry import group_geometries
+from kinmo.features.group_geometry import GroupGeometry, group_geometries
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.travel_features import travel_features
@@ -54,7 +54,7 @@ def body_inputs(
     shape: PreparedShape,
     geometry: ShapeGeometry,
     features: CandidateFeatures,
-    leaves: tuple[int, ...],
+    group: GroupGeometry,
     moving: Sequence[int],
     joints: Sequence[Joint],
 ) -> tuple[TravelExamples, NDArray[np.float64]]:
@@ -64,11 +64,11 @@ def body_inputs(
         shape: The shape.
         geometry: Geometry of its leaves.
         features: Candidate features, those of the body among them.
-        leaves: Positions of the body's leaves.
+        group: The body relative to the other leaves.
         moving: Positions of all leaves that move along.
         joints: At least one joint, in the normalised frame.
     """
-    (group,) = group_geometries(geometry, [leaves])
+    leaves = group.leaves
     found = travel_features(geometry, group, moving, joints)
     whole = features.group_features[features.group_of[leaves]]
     shared = np.column_stack([found.shared, np.tile(whole, (len(joints), 1))]).astype(np.float32)
@@ -90,7 +90,8 @@ def examples_of(shape: PreparedShape, meshes: _core.Meshes) -> TravelExamples | 
         if not leaves or joint is None:
             continue
         moving = sorted(leaf for other in descendants(parents, index) for leaf in shape.body_leaves[other])
-        example, (scale,) = body_inputs(shape, geometry, features, leaves, moving, [joint])
+        (group,) = group_geometries(geometry, [leaves])
+        example, (scale,) = body_inputs(shape, geometry, features, group, moving, [joint])
         example.travel[:] = UNLIMITED
         if joint.lower is not None and joint.upper is not None:
             example.travel[0] = max(joint.upper - joint.rest, 0.0) / scale, max(joint.rest - joint.lower, 0.0) / scale
