@@ -62,16 +62,16 @@ def test_a_network_for_one_category_lies_beside_that_for_all(trained: Trained, t
     models, recorder = ModelFolder(workspace.models), Recorder()
     shared = models.weights_for("axis", "Stapler")
     before = shared.read_bytes()
-    outcome = TrainMotion("paper", workspace, config, "laptop", device="cpu").run(recorder)
-    assert set(outcome.data) == {"gnn_fine (Laptop)", "axis (Laptop)"}
+    outcome = TrainMotion("paper", workspace, config, "pliers", device="cpu").run(recorder)
+    assert set(outcome.data) == {"gnn_fine (Pliers)", "axis (Pliers)"}
     assert shared.read_bytes() == before
-    assert models.weights_for("axis", "Laptop") == models.folder("axis", "Laptop") / WEIGHTS
+    assert models.weights_for("axis", "Pliers") == models.folder("axis", "Pliers") / WEIGHTS
     assert models.seeds(("axis", "gnn_fine")) == (0,)
-    TrainMotion("paper", workspace, config, "laptop", seed=3, device="cpu").run(recorder)
+    TrainMotion("paper", workspace, config, "pliers", seed=3, device="cpu").run(recorder)
     assert models.seeds(("axis", "gnn_fine")) == (0, 3)
     assert not recorder.notes
     TrainMotion("axis", workspace, config, device="cpu").run(recorder)
-    assert f"axis: Laptop have networks of their own in {workspace.models / 'axis'}" in recorder.notes
+    assert f"axis: Pliers have networks of their own in {workspace.models / 'axis'}" in recorder.notes
 
 
 def test_an_interrupted_training_continues_only_with_the_same_configuration(
@@ -151,7 +151,7 @@ def test_networks_of_other_sizes_cannot_be_continued_from(trained: Trained, tmp_
     config.write_text("\n".join(lines), encoding="utf-8")
     stages = [
         TrainMotion("motion", workspace, str(config), device="cpu", start=trained.workspace),
-        MakeTable("2", workspace, str(config), ("kinmo",), "laptop", device="cpu", start=trained.workspace),
+        MakeTable("2", workspace, str(config), ("kinmo",), "pliers", device="cpu", start=trained.workspace),
     ]
     for call in [call for stage in stages for call in (stage.plan, partial(stage.run, recorder))]:
         with pytest.raises(InputError, match=f"--from: trained with ranking.{size} = {known}, expected {value}"):

@@ -92,16 +92,16 @@ def test_without_scans_of_unlabelled_objects_nothing_is_trained(scanned: Scanned
     stage = TrainBySelfTraining(made.workspace, made.config, FAMILY, seed=1, **CPU)
     before = contents(made.workspace.path)
     for begin in (stage.plan, lambda: stage.run(Recorder())):
-        with pytest.raises(InputError, match="no scans of unlabelled objects of Laptop: run kinmo render --unlabelled"):
+        with pytest.raises(InputError, match="no scans of unlabelled objects of Pliers: run kinmo render --unlabelled"):
             begin()
     assert contents(made.workspace.path) == before
 
 
 def test_a_category_without_scans_is_reported(scanned: Scanned, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no scans of laptopp \(did you mean Laptop\?\)"):
-        TrainBySelfTraining(scanned.workspace, scanned.config, "laptopp").plan()
+    with pytest.raises(InputError, match=r"no scans of plierss \(did you mean Pliers\?\)"):
+        TrainBySelfTraining(scanned.workspace, scanned.config, "plierss").plan()
 
 
 def test_labelling_needs_supervised_networks(scanned: Scanned) -> None:
-    with pytest.raises(InputError, match="no supervised networks for scans of Laptop: run kinmo train ancsh"):
+    with pytest.raises(InputError, match="no supervised networks for scans of Pliers: run kinmo train ancsh"):
         SelfLabelScans(scanned.workspace, CATEGORY, 0.0, seed=5, **CPU).run(Recorder())

@@ -100,7 +100,7 @@ def test_scans_depend_on_their_own_sensor_alone(scanned: Scanned, tmp_path: Path
     assert scanned.render(extra=ROLES, sensor=SensorConfig()).plan().steps == ()
     (step,) = scanned.render(extra=ROLES, sensor=SensorConfig(noise=0.5)).plan().steps
     count = sum(count_objects(files) for files in open_scan_dataset(scanned.workspace, CATEGORY).files.values())
-    assert step.startswith(f"scan {count} objects (Laptop)")
+    assert step.startswith(f"scan {count} objects (Pliers)")
 
 
 def test_a_method_without_pseudo_labels_leaves_nothing_to_scan(scanned: Scanned) -> None:
