@@ -8,6 +8,10 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+# A test process has one core: more threads would wait for each other. Processes that tests start inherit this.
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
+
 pytest_plugins = ["workspace_fixtures"]
 
 settings.register_profile("same", derandomize=True, deadline=None, max_examples=50)
