@@ -95,11 +95,17 @@ def test_an_interrupted_training_continues_only_with_the_same_configuration(
 
 
 def test_the_kinmo_method_continues_from_another_workspace(trained: Trained, tmp_path: Path) -> None:
-    workspace = empty_workspace(trained, tmp_path)
-    stage = TrainMotion("kinmo", workspace, str(tiny_config(tmp_path)), device="cpu", start=trained.workspace)
-    epochs = {"grouping": 4, "ranking": 14, "limits": 10}
+    workspace, config = empty_workspace(trained, tmp_path), tiny_config(tmp_path)
+    epochs = {"grouping": 2, "ranking": 1, "limits": 3}
+    continued = {"grouping": "grouping.continued", "ranking": "ranking.continued.training", "limits": "limits.continued"}
+    text = "".join(
+        f"[{section}]\nepochs = {epochs[model]}\nlearning_rate = 5e-4\nweight_decay = 0.0\ndecay_epochs = 0\nthreads = 1\n"
+        for model, section in continued.items()
+    )
+    config.write_text(f"{config.read_text(encoding='utf-8')}\n{text}", encoding="utf-8")
+    stage = TrainMotion("kinmo", workspace, str(config), device="cpu", start=trained.workspace)
     for step, (model, count) in zip(stage.plan().steps, epochs.items(), strict=True):
-        assert step.startswith(f"train {model}") and f"for {count} epochs" in step
+        assert step.startswith(f"train {model}") and f"for {count} epoch" in step
     stage.run(Recorder())
     for model in epochs:
         start, header = (

@@ -23,7 +23,9 @@ from kinmo.methods.kinmo.ranking.shape_views import ShapeView, view_of_bodies
 
 SCHEDULE = TrainingConfig(epochs=2, learning_rate=1e-3, decay_epochs=0, keep="last")
 GROUPING = GroupingConfig(SCHEDULE, width=8, rounds=1, word_features=4)
-CONFIG = RankingConfig(SCHEDULE, ContinuedConfig(replace(SCHEDULE, epochs=1), batch_views=4), members=2, width=16, word_features=4)
+CONFIG = RankingConfig(
+    SCHEDULE, ContinuedConfig(replace(SCHEDULE, epochs=1), batch_views=4), members=2, width=16, word_features=4
+)
 
 
 @pytest.fixture(scope="module")
