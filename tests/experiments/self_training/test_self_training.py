@@ -20,12 +20,14 @@ from kinmo.pipeline.scans.scan_networks import ScanRun
 from kinmo.pipeline.scans.train_scans import self_labels_folder
 from kinmo.scans.files.scan_file import count_objects, open_scans
 
+FRAMES = "batch_frames = 4\nbatches_per_epoch = "
+
 
 @pytest.fixture(scope="module")
 def made(scanned: Scanned, tmp_path_factory: pytest.TempPathFactory) -> Scanned:
     """A workspace with a configuration whose networks learn enough to find all parts."""
     folder = tmp_path_factory.mktemp("self-training")
-    longer = scanned.copied(folder).changed(folder, "batches_per_epoch = 2", "batches_per_epoch = 60")
+    longer = scanned.copied(folder).changed(folder, f"{FRAMES}2", f"{FRAMES}60")
     return longer.changed(folder, "learning_rate = 1e-3\nweight_decay = 0.0", "learning_rate = 1e-2\nweight_decay = 0.0")
 
 
