@@ -27,7 +27,7 @@ FRAMES = "batch_frames = 4\nbatches_per_epoch = "
 def made(scanned: Scanned, tmp_path_factory: pytest.TempPathFactory) -> Scanned:
     """A workspace with a configuration whose networks learn enough to find all parts."""
     folder = tmp_path_factory.mktemp("self-training")
-    longer = scanned.copied(folder).changed(folder, f"{FRAMES}2", f"{FRAMES}60")
+    longer = scanned.copied(folder).changed(folder, f"{FRAMES}2", f"{FRAMES}240")
     return longer.changed(folder, "learning_rate = 1e-3\nweight_decay = 0.0", "learning_rate = 1e-2\nweight_decay = 0.0")
 
 
