@@ -94,11 +94,11 @@ def test_joints_are_found_in_a_scan(
 
 @pytest.mark.usefixtures("demo")
 def test_networks_are_evaluated(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    run(5, "--category", "laptop", monkeypatch=monkeypatch)
+    run(5, "--category", "pliers", monkeypatch=monkeypatch)
     lines = capsys.readouterr().out.splitlines()
     assert "parts given" in lines and "hierarchy given" in lines
     assert any(line.startswith("  kinmo: ") and line.endswith("joints are right") for line in lines)
-    assert lines[-1] == "demo/workspace/evaluation/laptop"
+    assert lines[-1] == "demo/workspace/evaluation/pliers"
 
 
 def write_cabinet(path: Path) -> None:

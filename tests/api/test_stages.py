@@ -30,7 +30,7 @@ def test_prepare_prepares_every_shape_of_a_folder(trained: Trained, tmp_path: Pa
 
 
 def test_prepare_takes_folders_of_oracle_labels(tmp_path: Path) -> None:
-    Synth(tmp_path / "partnet", 2, ("laptop",), ("partnet",), oracle=True).run(Recorder())
+    Synth(tmp_path / "partnet", 2, ("pliers",), ("partnet",), oracle=True).run(Recorder())
     kinmo.prepare(tmp_path / "partnet", tmp_path / "workspace", oracle=[str(tmp_path / "partnet" / ORACLE)], workers=1)
     assert open_dataset(Workspace(tmp_path / "workspace")).oracle
 

@@ -183,7 +183,7 @@ def test_a_whole_run_prints_the_path_of_its_result_last(tmp_path: Path) -> None:
     shapes, workspace = tmp_path / "partnet", tmp_path / "workspace"
     common = ["--workspace", str(workspace), "--workers", "1"]
     for command, path in (
-        (["synth", str(shapes), "--count", "1", "--family", "laptop"], shapes),
+        (["synth", str(shapes), "--count", "1", "--family", "pliers"], shapes),
         (["prepare", str(shapes)], workspace / "prepared"),
         (["report"], workspace / "report" / "index.html"),
     ):

@@ -41,7 +41,7 @@ def make(name: str, method: str, made: Scanned) -> MakeTable:
 
 
 def sure_of_hinges(made: Scanned, folder: Path) -> Scanned:
-    """The same with a ranking that is trained until it knows laptops, and all of whose predictions are accepted."""
+    """The same with a ranking that is trained until it knows pliers, and all of whose predictions are accepted."""
     one = made.changed(folder, "members = 3", "members = 1")
     every = one.changed(folder, "[scans]\n", "[refinement]\nchance = 0.0\ndoubt = 1.0\n[scans]\n")
     return every.changed(folder, "[ranking.training]\nepochs = 1\n", "[ranking.training]\nepochs = 40\n")

@@ -147,7 +147,7 @@ def test_files_of_a_training_that_is_not_needed_any_more_are_removed(tmp_path: P
 
 def test_an_unfinished_training_for_a_category_stays_when_that_for_all_is_finished(tmp_path: Path) -> None:
     workspace = Workspace(tmp_path)
-    checkpoint = workspace.training / "it" / "Laptop" / "last.ckpt"
+    checkpoint = workspace.training / "it" / "Pliers" / "last.ckpt"
     checkpoint.parent.mkdir(parents=True)
     checkpoint.write_bytes(b"a checkpoint")
     for _ in range(2):  # trained, and already trained

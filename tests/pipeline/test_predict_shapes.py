@@ -17,6 +17,7 @@ import trimesh
 from datasets import write_partnet, write_partnet_mobility
 from trained_workspace import METHODS, Recorder, Trained, contents
 
+import kinmo
 from kinmo import _core
 from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
@@ -61,9 +62,8 @@ def source_of(folder: Path) -> str:
 
 
 def size_of_robot(urdf: Path) -> float:
-    """Diagonal of the box around all mesh files of a URDF, which are in metres."""
-    points = np.concatenate([trimesh.load_mesh(path).vertices for path in (urdf.parent / "meshes").glob("*.obj")])
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
+    """Diagonal of the box around all links of a URDF at rest, in metres."""
+    return kinmo.load(urdf).diagonal
 
 
 @pytest.fixture

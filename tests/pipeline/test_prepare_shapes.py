@@ -20,7 +20,7 @@ from kinmo.synth.synth_stage import Synth
 
 
 def test_labels_beside_their_hidden_copies_are_noted_unless_they_are_oracle_labels(tmp_path: Path) -> None:
-    Synth(tmp_path / "partnet", 2, ("laptop",), ("partnet",), oracle=True).run(Recorder())
+    Synth(tmp_path / "partnet", 2, ("pliers",), ("partnet",), oracle=True).run(Recorder())
     folder, workspace = tmp_path / "partnet" / ORACLE, Workspace(tmp_path / "workspace")
     warning = f"{folder}: included as labelled shapes; with --oracle {folder} nothing is trained on their labels"
     for oracle in ((), (folder,), (tmp_path / "partnet",)):
@@ -31,7 +31,7 @@ def test_labels_beside_their_hidden_copies_are_noted_unless_they_are_oracle_labe
 
 
 def test_a_folder_without_oracle_labels_is_noted(tmp_path: Path) -> None:
-    Synth(tmp_path / "partnet", 2, ("laptop",), ("partnet",)).run(Recorder())
+    Synth(tmp_path / "partnet", 2, ("pliers",), ("partnet",)).run(Recorder())
     recorder, other = Recorder(), tmp_path / "other"
     other.mkdir()
     Prepare(tmp_path / "partnet", Workspace(tmp_path / "workspace"), oracle=(other,)).run(recorder)

@@ -62,16 +62,16 @@ def test_a_network_for_one_category_lies_beside_that_for_all(trained: Trained, t
     models, recorder = ModelFolder(workspace.models), Recorder()
     shared = models.weights_for("axis", "Stapler")
     before = shared.read_bytes()
-    outcome = TrainMotion("paper", workspace, config, "laptop", device="cpu").run(recorder)
-    assert set(outcome.data) == {"gnn_fine (Laptop)", "axis (Laptop)"}
+    outcome = TrainMotion("paper", workspace, config, "pliers", device="cpu").run(recorder)
+    assert set(outcome.data) == {"gnn_fine (Pliers)", "axis (Pliers)"}
     assert shared.read_bytes() == before
-    assert models.weights_for("axis", "Laptop") == models.folder("axis", "Laptop") / WEIGHTS
+    assert models.weights_for("axis", "Pliers") == models.folder("axis", "Pliers") / WEIGHTS
     assert models.seeds(("axis", "gnn_fine")) == (0,)
-    TrainMotion("paper", workspace, config, "laptop", seed=3, device="cpu").run(recorder)
+    TrainMotion("paper", workspace, config, "pliers", seed=3, device="cpu").run(recorder)
     assert models.seeds(("axis", "gnn_fine")) == (0, 3)
     assert not recorder.notes
     TrainMotion("axis", workspace, config, device="cpu").run(recorder)
-    assert f"axis: Laptop have networks of their own in {workspace.models / 'axis'}" in recorder.notes
+    assert f"axis: Pliers have networks of their own in {workspace.models / 'axis'}" in recorder.notes
 
 
 def test_an_interrupted_training_continues_only_with_the_same_configuration(
@@ -95,11 +95,17 @@ def test_an_interrupted_training_continues_only_with_the_same_configuration(
 
 
 def test_the_kinmo_method_continues_from_another_workspace(trained: Trained, tmp_path: Path) -> None:
-    workspace = empty_workspace(trained, tmp_path)
-    stage = TrainMotion("kinmo", workspace, str(tiny_config(tmp_path)), device="cpu", start=trained.workspace)
-    epochs = {"grouping": 4, "ranking": 14, "limits": 10}
+    workspace, config = empty_workspace(trained, tmp_path), tiny_config(tmp_path)
+    epochs = {"grouping": 2, "ranking": 1, "limits": 3}
+    continued = {"grouping": "grouping.continued", "ranking": "ranking.continued.training", "limits": "limits.continued"}
+    text = "".join(
+        f"[{section}]\nepochs = {epochs[model]}\nlearning_rate = 5e-4\nweight_decay = 0.0\ndecay_epochs = 0\nthreads = 1\n"
+        for model, section in continued.items()
+    )
+    config.write_text(f"{config.read_text(encoding='utf-8')}\n{text}", encoding="utf-8")
+    stage = TrainMotion("kinmo", workspace, str(config), device="cpu", start=trained.workspace)
     for step, (model, count) in zip(stage.plan().steps, epochs.items(), strict=True):
-        assert step.startswith(f"train {model}") and f"for {count} epochs" in step
+        assert step.startswith(f"train {model}") and f"for {count} epoch" in step
     stage.run(Recorder())
     for model in epochs:
         start, header = (
@@ -151,7 +157,7 @@ def test_networks_of_other_sizes_cannot_be_continued_from(trained: Trained, tmp_
     config.write_text("\n".join(lines), encoding="utf-8")
     stages = [
         TrainMotion("motion", workspace, str(config), device="cpu", start=trained.workspace),
-        MakeTable("2", workspace, str(config), ("kinmo",), "laptop", device="cpu", start=trained.workspace),
+        MakeTable("2", workspace, str(config), ("kinmo",), "pliers", device="cpu", start=trained.workspace),
     ]
     for call in [call for stage in stages for call in (stage.plan, partial(stage.run, recorder))]:
         with pytest.raises(InputError, match=f"--from: trained with ranking.{size} = {known}, expected {value}"):

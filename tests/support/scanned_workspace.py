@@ -27,7 +27,7 @@ from kinmo.pipeline.scans.training_settings import Setting
 from kinmo.scans.files.scan_file import ROLES, Role
 from kinmo.synth.synth_stage import Synth
 
-FAMILY, CATEGORY = "laptop", "Laptop"
+FAMILY, CATEGORY = "pliers", "Pliers"
 SCANS = """
 [ancsh]
 points = 128

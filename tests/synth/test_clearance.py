@@ -53,7 +53,7 @@ def deep_share(obj: SynthObject, link: Link, value: float) -> float:
 @pytest.mark.parametrize("name", FAMILIES)
 def test_opening_parts_clear_their_housing(name: str) -> None:
     worse, joints = 0, 0
-    for seed in range(16):
+    for seed in range(8):
         obj = family_builder(name)(Draw(np.random.default_rng(seed)))
         for link in obj.links:
             if link.motion is None or link.motion.no_limit:

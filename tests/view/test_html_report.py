@@ -27,12 +27,12 @@ def test_curves_are_named_by_their_networks(tmp_path: Path) -> None:
     workspace = Workspace(tmp_path)
     workspace.prepared.mkdir()
     (workspace.prepared / INDEX).touch()
-    for place in ("gnn_fine", "gnn_fine/Laptop", "axis/Laptop", "ancsh/Laptop/semi-weakly-kinmo/0/npcs"):
+    for place in ("gnn_fine", "gnn_fine/Pliers", "axis/Pliers", "ancsh/Pliers/semi-weakly-kinmo/0/npcs"):
         (workspace.models / place).mkdir(parents=True)
         epochs = [{"epoch": epoch, "training/loss": 1.0, "validation/loss": 1.0} for epoch in (0, 1)]
         (workspace.models / place / METRICS).write_text(json.dumps(epochs), encoding="utf-8")
     html = Report(workspace).run(Recorder()).path.read_text(encoding="utf-8")
-    for name in ("gnn_fine", "gnn_fine Laptop", "axis Laptop", "Laptop semi-weakly-kinmo 0 npcs"):
+    for name in ("gnn_fine", "gnn_fine Pliers", "axis Pliers", "Pliers semi-weakly-kinmo 0 npcs"):
         assert f">{name}: loss<" in html
 
 

@@ -115,9 +115,9 @@ def settled(shown: OpenPage) -> np.ndarray:
 
 
 @needs_driven_browser
-@pytest.mark.parametrize("width", [1280, 390])
-def test_a_slider_moves_its_part_and_back_in_a_browser(width: int, server: ObjectServer) -> None:
-    with open_page(server.url, width, 844) as shown:
+@pytest.mark.parametrize(("width", "height"), [(1280, 480), (390, 844)])
+def test_a_slider_moves_its_part_and_back_in_a_browser(width: int, height: int, server: ObjectServer) -> None:
+    with open_page(server.url, width, height) as shown:
         shown.page.wait_for_selector("text=door: hinge", timeout=60_000)
         shown.page.wait_for_selector("canvas")
         shown.page.wait_for_timeout(2000)

@@ -25,7 +25,7 @@ from kinmo.synth.synth_stage import Synth
 
 
 def table(name: str, made: Scanned, seeds: int = 1, **options: object) -> MakeTable:
-    """A table of laptops with the rows of kinmo's method."""
+    """A table of pliers with the rows of kinmo's method."""
     return MakeTable(name, made.workspace, made.config, ("kinmo",), FAMILY, seeds, **CPU, **options)  # type: ignore[arg-type]
 
 
@@ -51,7 +51,7 @@ def test_a_row_that_cannot_be_run_leaves_the_others(scanned: Scanned, tmp_path: 
     assert len(notes) == 1 and "DSG-Net" in notes[0]
     run = {row[0]: row[1] for row in found.data[CATEGORY]["parts"]["rows"]}
     assert run == {"supervised": "1", "generated shapes": NOT_RUN, "generated shapes, paper": NOT_RUN}
-    reason = "Not run: generated shapes: no shapes of Laptop in DSG-Net's layout without labels."
+    reason = "Not run: generated shapes: no shapes of Pliers in DSG-Net's layout without labels."
     assert reason in written(stage)
     WrittenTables(stage.workspace, "4").write({CATEGORY: [0]})
     assert reason in written(stage), "whoever writes the table again"
@@ -87,11 +87,11 @@ def test_without_oracle_labels_the_row_of_them_is_no_failure(tmp_path: Path) -> 
     found = stage.run(observer)
     assert found.failed == 2, "self-training and semi-weakly: there are no shapes without labels"
     assert [note for note in observer.notes if "oracle labels" in note and "kinmo prepare --oracle" in note]
-    assert "Not run: oracle labels: no shapes of Laptop with oracle labels" in written(stage)
+    assert "Not run: oracle labels: no shapes of Pliers with oracle labels" in written(stage)
     Synth(tmp_path / "partnet", 3, (FAMILY,), ("partnet_mobility",)).run(Recorder())
     Prepare(tmp_path / "partnet", made.workspace).run(Recorder())
     WrittenTables(made.workspace, "2").write({CATEGORY: [0]})
-    assert "no shapes of Laptop with oracle labels" not in written(stage), "other shapes may change that"
+    assert "no shapes of Pliers with oracle labels" not in written(stage), "other shapes may change that"
 
 
 @pytest.mark.parametrize("is_scanned", [True, False])

@@ -136,7 +136,7 @@ def test_after_an_interrupted_scanning_no_outdated_figures_are_left(evaluated: W
     folder = written.folder / CATEGORY
     written.write({CATEGORY: [0]})
     assert (folder / "parts.md").exists()
-    assert PRINTED_NOTE not in (folder / "means.md").read_text(encoding="utf-8"), "the paper has no laptops"
+    assert PRINTED_NOTE not in (folder / "means.md").read_text(encoding="utf-8"), "the paper has no pliers"
     Cache(scans_folder(evaluated, CATEGORY, "test")).forget(COMPLETE)
     text = " ".join(written.write({CATEGORY: [0]}).text.split())
     assert "scanning was interrupted: run kinmo render again." in text

@@ -20,12 +20,14 @@ from kinmo.pipeline.scans.scan_networks import ScanRun
 from kinmo.pipeline.scans.train_scans import self_labels_folder
 from kinmo.scans.files.scan_file import count_objects, open_scans
 
+FRAMES = "batch_frames = 4\nbatches_per_epoch = "
+
 
 @pytest.fixture(scope="module")
 def made(scanned: Scanned, tmp_path_factory: pytest.TempPathFactory) -> Scanned:
     """A workspace with a configuration whose networks learn enough to find all parts."""
     folder = tmp_path_factory.mktemp("self-training")
-    longer = scanned.copied(folder).changed(folder, "batches_per_epoch = 2", "batches_per_epoch = 60")
+    longer = scanned.copied(folder).changed(folder, f"{FRAMES}2", f"{FRAMES}240")
     return longer.changed(folder, "learning_rate = 1e-3\nweight_decay = 0.0", "learning_rate = 1e-2\nweight_decay = 0.0")
 
 
@@ -92,16 +94,16 @@ def test_without_scans_of_unlabelled_objects_nothing_is_trained(scanned: Scanned
     stage = TrainBySelfTraining(made.workspace, made.config, FAMILY, seed=1, **CPU)
     before = contents(made.workspace.path)
     for begin in (stage.plan, lambda: stage.run(Recorder())):
-        with pytest.raises(InputError, match="no scans of unlabelled objects of Laptop: run kinmo render --unlabelled"):
+        with pytest.raises(InputError, match="no scans of unlabelled objects of Pliers: run kinmo render --unlabelled"):
             begin()
     assert contents(made.workspace.path) == before
 
 
 def test_a_category_without_scans_is_reported(scanned: Scanned, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no scans of laptopp \(did you mean Laptop\?\)"):
-        TrainBySelfTraining(scanned.workspace, scanned.config, "laptopp").plan()
+    with pytest.raises(InputError, match=r"no scans of plierss \(did you mean Pliers\?\)"):
+        TrainBySelfTraining(scanned.workspace, scanned.config, "plierss").plan()
 
 
 def test_labelling_needs_supervised_networks(scanned: Scanned) -> None:
-    with pytest.raises(InputError, match="no supervised networks for scans of Laptop: run kinmo train ancsh"):
+    with pytest.raises(InputError, match="no supervised networks for scans of Pliers: run kinmo train ancsh"):
         SelfLabelScans(scanned.workspace, CATEGORY, 0.0, seed=5, **CPU).run(Recorder())

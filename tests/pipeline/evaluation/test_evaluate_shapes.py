@@ -98,7 +98,7 @@ def test_every_figure_has_its_interval_in_the_summaries(trained: Trained) -> Non
 
 
 def test_categories_match_whatever_their_spelling(trained: Trained) -> None:
-    plans = [EvaluateShapes(trained.workspace, METHODS, name, device="cpu").plan().steps for name in ("Laptop", "LAPTOP")]
+    plans = [EvaluateShapes(trained.workspace, METHODS, name, device="cpu").plan().steps for name in ("Pliers", "PLIERS")]
     assert plans[0] == plans[1] != ()
     with pytest.raises(InputError, match="Stapler"):
         EvaluateShapes(trained.workspace, METHODS, "spoon").plan()
@@ -111,7 +111,7 @@ def test_an_unknown_method_is_refused(trained: Trained) -> None:
 
 def test_rows_of_contact_edges_need_their_network(trained: Trained, tmp_path: Path) -> None:
     workspace = trained.copy(tmp_path)
-    stage = EvaluateShapes(workspace, ("paper",), "laptop", more_rows=AblationRows(ablations=True), device="cpu")
+    stage = EvaluateShapes(workspace, ("paper",), "pliers", more_rows=AblationRows(ablations=True), device="cpu")
 
     def rows(recorder: Recorder) -> list[str]:
         table = stage.run(recorder).data["parts_given"]["overview_micro"]
@@ -140,7 +140,7 @@ def test_an_interrupted_evaluation_continues(trained: Trained, tmp_path: Path) -
 
 
 def test_a_shape_is_scored_once_for_all_evaluations_with_the_same_rows(trained: Trained, tmp_path: Path) -> None:
-    stage = replace(trained.stages["eval"], workspace=trained.copy(tmp_path), category="laptop", more_tables=None)  # type: ignore[type-var]
+    stage = replace(trained.stages["eval"], workspace=trained.copy(tmp_path), category="pliers", more_tables=None)  # type: ignore[type-var]
     recorder = Recorder()
     stage.run(recorder)
     assert scored_shapes(recorder) == 0
@@ -197,7 +197,7 @@ def test_a_failing_row_misses_all_joints_of_the_shape(
     shutil.copytree(trained.workspace.path, workspace.path)
     monkeypatch.setattr(KinmoMethod, "predict_given", fail)
     recorder = Recorder()
-    outcome = EvaluateShapes(workspace, ("kinmo",), "laptop", device="cpu").run(recorder)
+    outcome = EvaluateShapes(workspace, ("kinmo",), "pliers", device="cpu").run(recorder)
     assert any(note.startswith("failed: kinmo on ") and note.endswith(": no axis") for note in recorder.notes)
     table = outcome.data["parts_given"]["overview_micro"]
     assert "predictions failed and count as missed." in table["caption"]

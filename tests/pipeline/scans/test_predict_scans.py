@@ -227,16 +227,16 @@ def test_a_source_without_scans_is_reported_before_anything_runs(scanned: Scanne
 
 def test_a_category_without_networks_is_reported_with_those_that_have_some(scanned: Scanned, tmp_path: Path) -> None:
     for name, problem in (
-        ("labtop", r"no networks for scans of labtop \(did you mean Laptop\?\); there are networks for Laptop$"),
+        ("plyers", r"no networks for scans of plyers \(did you mean Pliers\?\); there are networks for Pliers$"),
         (
             "oil rig",
-            r"no networks for scans of oil rig; there are networks for Laptop: .* --category 'oil rig' first",
+            r"no networks for scans of oil rig; there are networks for Pliers: .* --category 'oil rig' first",
         ),
     ):
         with pytest.raises(InputError, match=problem):
             PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, name).run(Recorder())
     with pytest.raises(
-        InputError, match=r"no networks for scans of laptop that learned from pseudo labels of kinmo: .* --method kinmo first"
+        InputError, match=r"no networks for scans of pliers that learned from pseudo labels of kinmo: .* --method kinmo first"
     ):
         PredictScans(tmp_path / "x.npz", tmp_path, scanned.workspace, FAMILY, method="kinmo").run(Recorder())
     with pytest.raises(InputError, match="run kinmo render first"):

@@ -24,8 +24,8 @@ def test_a_setting_without_labels_of_its_own_cannot_be_trained(scanned: Scanned)
 
 
 def test_a_category_without_scans_is_named_with_those_that_there_are(scanned: Scanned) -> None:
-    with pytest.raises(InputError, match=r"no scans of Lapptop \(did you mean Laptop\?\); there are Laptop: run kinmo render"):
-        open_scan_dataset(scanned.workspace, "Lapptop")
+    with pytest.raises(InputError, match=r"no scans of Plierss \(did you mean Pliers\?\); there are Pliers: run kinmo render"):
+        open_scan_dataset(scanned.workspace, "Plierss")
 
 
 def test_without_validation_objects_some_training_objects_take_their_place(scanned: Scanned, tmp_path: Path) -> None:

@@ -42,15 +42,15 @@ def test_runs_are_found_by_their_folders(evaluated: Workspace) -> None:
 
 
 def test_an_unfinished_training_is_reported(evaluated: Workspace) -> None:
-    with pytest.raises(InputError, match=r"no networks for scans of laptop that learned .*paper.*--method paper first"):
+    with pytest.raises(InputError, match=r"no networks for scans of pliers that learned .*paper.*--method paper first"):
         choose_run(evaluated, FAMILY, "paper", 0)
     begin_training(evaluated, RUN)
     assert choose_run(evaluated, FAMILY, None, 0) == RUN, "earlier networks are used until the training is finished"
     evaluated.forget(RUN.stage("npcs"))
-    unfinished = "the training of networks for laptop is not finished: run the same kinmo train again"
+    unfinished = "the training of networks for pliers is not finished: run the same kinmo train again"
     with pytest.raises(InputError, match=unfinished):
         choose_run(evaluated, FAMILY, None, 0)
-    with pytest.raises(InputError, match=r"no networks for scans of laptop that learned .*paper.*--method paper first"):
+    with pytest.raises(InputError, match=r"no networks for scans of pliers that learned .*paper.*--method paper first"):
         choose_run(evaluated, FAMILY, "paper", 0)
     begin_training(evaluated, ScanRun(CATEGORY, "semi-weakly", 0, "paper"))
     with pytest.raises(InputError, match=unfinished):
