@@ -99,6 +99,15 @@ def test_files_of_a_ros_package_are_named_by_it(tmp_path):
         assert (tmp_path / "out" / file.removeprefix("package://box_description/")).is_file()
 
 
+def test_every_link_is_a_body_of_mujoco(tmp_path):
+    mujoco = pytest.importorskip("mujoco")
+    shape = cabinet(Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.zeros(3), 0.0, 1.0))
+    path = write_urdf(shape, shape.mobility, tmp_path / "out")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    links = [link.get("name") for link in ET.parse(path).iter("link")]
+    assert [model.body(number).name for number in range(1, model.nbody)] == links
+
+
 @settings(max_examples=15)
 @given(articulated_shapes(ups=UPS))
 def test_all_leaves_are_at_their_place(tmp_path_factory, shape):

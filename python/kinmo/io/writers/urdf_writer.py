@@ -1,7 +1,8 @@
 """URDF: z up, metres, radians.
 
 Mesh files are in the frame of the robot. PyBullet, MuJoCo and ROS find them: MuJoCo takes the last part of their names only,
-and the folder from the element `<mujoco>`, which others ignore.
+and the folder from the element `<mujoco>`, which others ignore. It also keeps the base a body of its own: MuJoCo 2.3 fails where
+the world has many shapes, and the link keeps its name.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def write_urdf(exported: ExportedObject, folder: Path) -> Path:
     if any(has_colors(visual.mesh) for link in robot.links for visual in link.visuals):
         exported.note("urdf: the colours of vertices are in the OBJ files alone; the URDF has their mean for each part")
     extension = ET.Element("mujoco")
-    ET.SubElement(extension, "compiler", meshdir=MESHES, strippath="true")
+    ET.SubElement(extension, "compiler", meshdir=MESHES, strippath="true", fusestatic="false")
     root.insert(0, extension)
     return write_xml(root, folder / f"{exported.options.name}.urdf")
 
