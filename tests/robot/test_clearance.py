@@ -92,3 +92,13 @@ def test_cut_shapes_have_a_thickness(depth: float) -> None:
     assert shape is not None
     thickness = 2.0 * shape.half_extents.min() if isinstance(shape, Box) else np.ptp(shape.mesh.vertices, axis=0).min()
     assert depth <= thickness <= depth + 0.0011
+
+
+def test_many_small_cuts_leave_most_of_a_shape() -> None:
+    """A button with a range of metres instead of millimetres must not plane its panel away."""
+    panel, button = ((0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), ((0.4, 0.4, 0.5), (0.6, 0.6, 0.52))
+    bodies = [Body(0, "panel", (1,)), Body(1, "button", (2,), 0, Joint(JointKind.PRISMATIC, -Z, np.zeros(3), 0.0, 3.0))]
+    shape = shape_of_boxes([panel, button], bodies)
+    robot = build_robot(shape, shape.mobility, collision="convex")
+    (left,) = boxes(robot, 0)
+    assert left.volume > 0.7 * 0.5

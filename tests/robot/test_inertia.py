@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from articulated import box_mesh
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from kinmo.core.shape import Mesh
+from kinmo.core.shape import Mesh, join
 from kinmo.robot.inertia import MIN_MASS, inertial_of, is_solid
 
 
@@ -82,3 +83,20 @@ def test_a_link_without_parts_is_a_tiny_ball() -> None:
     found = inertial_of([])
     assert found.mass == MIN_MASS
     assert found.inertia == pytest.approx(found.inertia[0, 0] * np.eye(3))
+
+
+def test_boards_that_share_edges_have_the_mass_of_their_volume() -> None:
+    boards = [((0, 0, 0), (1, 0.1, 1)), ((0, 0.1, 0), (0.1, 1, 1)), ((0.9, 0.1, 0), (1, 1, 1))]
+    floor = [((0, 0, 0), (0.1, 0.1, 1)), ((0.1, 0, 0), (0.9, 0.1, 1)), ((0.9, 0, 0), (1, 0.1, 1))]
+    volume = sum(float(np.prod(np.subtract(high, low))) for low, high in boards)
+    found = inertial_of([join(*(box_mesh(*board) for board in (*floor, *boards[1:])))], [10.0])
+    assert found.mass == pytest.approx(10.0 * volume)
+
+
+def test_solids_that_no_body_can_be_get_the_inertia_of_their_box() -> None:
+    """A surface with a part of it inside out may be closed and have a positive volume."""
+    solid = join(box_mesh((0, 0, 0), (1, 1, 1)), box_mesh((0.1, 0.1, -2), (0.9, 0.9, 3)).flipped)
+    surface = join(solid, box_mesh((0, 0, 0), (2, 2, 2)))
+    moments = np.linalg.eigvalsh(inertial_of([surface]).inertia)
+    assert moments[0] > 0.0
+    assert moments[0] + moments[1] >= moments[2]

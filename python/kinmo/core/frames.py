@@ -45,6 +45,15 @@ def y_up_rotation(up: Vector, front: Vector | None = None) -> NDArray[np.float64
     return rotation + 0.0  # no negative zeros
 
 
+def gltf_rotation(up: Vector, front: Vector | None = None) -> NDArray[np.float64]:
+    """Rotation [3, 3] from a frame with the unit vectors `up` and `front` [3] to that of glTF.
+
+    A y-up shape stays as it is. Any other one is rotated as by `y_up_rotation`: its front comes to +z.
+    """
+    up = np.asarray(up, float)
+    return np.eye(3) if np.allclose(up, AXIS_VECTORS["y"], atol=1e-9) else y_up_rotation(up, front)
+
+
 def z_up_rotation(up: Vector) -> NDArray[np.float64]:
     """Rotation [3, 3] from a frame with the unit vector `up` [3] to the z-up frame of exports.
 

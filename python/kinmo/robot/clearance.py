@@ -27,9 +27,9 @@ F64 = NDArray[np.float64]
 GAP = 0.002
 """Least gap between two links, in diagonals of the object."""
 MAX_CUT_AT_REST = 0.4
-"""Largest share of a shape's extent that is cut off for the pose of the file. Otherwise the smaller shape is dropped."""
+"""Largest share of a shape's extent that is cut off for the pose of the file, by all cuts. Otherwise the smaller shape is dropped."""
 MAX_CUT_ON_THE_WAY = 0.25
-"""Largest share of a shape's extent that is cut off for another joint value. Otherwise the joint stops before."""
+"""Largest share of its extent there that a shape loses to all other joint values. Otherwise the joint stops before."""
 MIN_TRAVEL = 0.5
 """Least share of the travel to a limit that is left if the joint stops before. Otherwise the smaller shape is dropped."""
 STEP = 0.004
@@ -54,6 +54,7 @@ class _Piece:
         shape: the shape; None after it is dropped.
         points: [V, 3] its corners.
         normals: [K, 3] normals of its faces, without opposite ones.
+        whole: [W, 3] its corners before it was cut on the way of a joint.
         cuts: number of cuts.
     """
 
@@ -62,11 +63,13 @@ class _Piece:
     shape: CollisionShape | None
     points: F64
     normals: F64
+    whole: F64
     cuts: int = 0
 
     @classmethod
     def of(cls, link: int, collision: Collision) -> _Piece:
-        return cls(link, collision, collision.shape, *_points_and_normals(collision.shape))
+        points, normals = _points_and_normals(collision.shape)
+        return cls(link, collision, collision.shape, points, normals, points)
 
     @property
     def size(self) -> float:
@@ -147,6 +150,8 @@ def with_clearance(robot: Robot) -> Robot:
         groups[joint.child] = _Group(moving), _Group(others)
         for piece, other in _uncut(*groups[joint.child], np.eye(4), gap, MAX_CUT_AT_REST):
             _drop_smaller(piece, other)
+    for piece in pieces:
+        piece.whole = piece.points
     joints = [
         _cleared(joint, robot.links[joint.child].origin, *groups[joint.child], robot.diagonal)
         if joint.child in groups
@@ -218,8 +223,9 @@ def _uncut(moving: _Group, others: _Group, pose: Pose, gap: float, most: float) 
         if max(front.max(), back.max()) >= gap:
             continue
         needs = 2.0 * gap - np.concatenate([front, back])  # twice the gap, for fewer cuts on the way
-        extents = np.stack([np.tile(np.ptp(values, axis=0), 2) for values in (here, there)])
-        shares = needs / np.maximum(extents, 1e-12)
+        whole = np.ptp((piece.whole @ turn.T) @ normals.T, axis=0), np.ptp(other.whole @ normals.T, axis=0)
+        lost = [before - np.ptp(values, axis=0) for before, values in zip(whole, (here, there), strict=True)]
+        shares = (needs + np.tile(lost, 2)) / np.maximum(np.tile(whole, 2), 1e-12)
         which, way = np.unravel_index(int(np.argmin(shares)), shares.shape)
         if shares[which, way] > most:
             yield piece, other

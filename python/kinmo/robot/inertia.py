@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from kinmo.core.loose_pieces import is_closed, same_vertices
+from kinmo.core.loose_pieces import has_border, same_vertices
 from kinmo.core.shape import Mesh
 from kinmo.core.vector import Vector
 from kinmo.robot.convex_hulls import box_of
@@ -33,7 +33,7 @@ def inertial_of(meshes: Sequence[Mesh], densities: Sequence[float] | None = None
 
 
 def is_solid(mesh: Mesh) -> bool:
-    """True for a closed surface that faces outwards and is as thick as `MIN_EXTENT`.
+    """True for a closed surface that faces outwards and is as thick as `MIN_EXTENT`. Boards that share edges are closed, too.
 
     A closed surface that cuts through itself may have moments of no body. It is not solid either.
     """
@@ -78,7 +78,7 @@ def joined(inertials: Iterable[Inertial]) -> Inertial:
 
 def _solid_moments(mesh: Mesh) -> tuple[float, Vector, Vector] | None:
     """`_moments` of a solid, see `is_solid`. None for another surface."""
-    if not is_closed(mesh):
+    if has_border(mesh):
         return None
     volume, first, second = _moments(mesh)
     if volume <= 0.0:

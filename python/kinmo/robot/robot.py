@@ -136,6 +136,7 @@ class Robot:
         links: the links, the base first, every link after its parent.
         joints: the joint of every link but the base.
         diagonal: diagonal of the object's bounding box.
+        gltf_rotation: [3, 3] rotation from the frame of the robot, where z is up, to that of glTF, where y is up.
         notes: a line for each thing about the robot that a user should know.
     """
 
@@ -143,6 +144,7 @@ class Robot:
     links: tuple[RobotLink, ...]
     joints: tuple[RobotJoint, ...]
     diagonal: float
+    gltf_rotation: NDArray[np.float64]
     notes: tuple[str, ...] = ()
 
     def links_below(self, link: int) -> list[int]:

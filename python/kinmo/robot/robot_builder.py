@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.frames import z_up_rotation
+from kinmo.core.frames import gltf_rotation, z_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.links import Link, links_of
 from kinmo.core.mobility import Mobility
@@ -73,7 +73,9 @@ def build_robot(
         links.append(RobotLink(name, origin, visuals, (), inertial_of(list(meshes.values()), densities)))
     colliding, notes = _with_collisions(links, diagonal, collision)
     title = unique_names([f"{shape.category}_{shape.id}"])[0]
-    robot = Robot(title, colliding, tuple(joints), diagonal, notes)
+    front = None if shape.front is None else np.asarray(shape.front, float)
+    to_gltf = gltf_rotation(np.asarray(shape.up, float), front) @ rotation.T
+    robot = Robot(title, colliding, tuple(joints), diagonal, to_gltf, notes)
     if physics.damping is None:
         robot = damped(robot)
     if collision not in ("convex", "hull"):

@@ -14,14 +14,14 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.core.frames import y_up_rotation, z_up_rotation
+from kinmo.core.frames import gltf_rotation, y_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
 from kinmo.core.look import NO_MATERIAL
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.shape import Mesh, Shape, bounds_of
 from kinmo.core.vector import Vector
-from kinmo.io.writers.glb_writer import FROM_ROBOT, glb_bytes
+from kinmo.io.writers.glb_writer import glb_bytes
 from kinmo.robot.robot import Robot
 from kinmo.robot.robot_builder import build_robot
 from kinmo.view.body_colors import Color
@@ -104,13 +104,16 @@ class ObjectScene:
     @property
     def rotation(self) -> NDArray[np.float64]:
         """Rotation [3, 3] from the frame of the shape to that of the scene."""
-        return np.asarray(FROM_ROBOT @ z_up_rotation(np.asarray(self.shape.up, float)))
+        return gltf_rotation(np.asarray(self.shape.up, float), self._known_front)
 
     @property
     def front(self) -> Vector:
         """Unit vector [3] towards the viewer, in the frame of the scene."""
-        known = None if self.shape.front is None else np.asarray(self.shape.front, float)
-        return np.asarray(self.rotation @ y_up_rotation(np.asarray(self.shape.up, float), known)[2])
+        return np.asarray(self.rotation @ y_up_rotation(np.asarray(self.shape.up, float), self._known_front)[2])
+
+    @property
+    def _known_front(self) -> Vector | None:
+        return None if self.shape.front is None else np.asarray(self.shape.front, float)
 
     @property
     def unit(self) -> str:

@@ -149,7 +149,9 @@ class ObjectServer:
             nodes.append(scene.add_mesh_simple(f"/colors/{index}", self._scale * vertices, faces, color=color, side="double"))
             link = links[body.leaves[0]][0]
             own = type(link)(link.name, link.origin, tuple(links[leaf][1] for leaf in body.leaves), (), link.inertial)
-            looks = glb_bytes(Robot(self.scene.robot.name, (own,), (), self.scene.robot.diagonal))
+            looks = glb_bytes(
+                Robot(self.scene.robot.name, (own,), (), self.scene.robot.diagonal, self.scene.robot.gltf_rotation)
+            )
             nodes.append(scene.add_glb(f"/looks/{index}", looks, scale=self._scale, visible=False))
 
     def _arrow(self, index: int) -> Any:

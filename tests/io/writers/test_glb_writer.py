@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,6 @@ from articulated import articulated_shapes, shape_of_boxes
 from glb_contents import GlbContents
 from hypothesis import given, settings
 
-from kinmo.core.frames import Y_UP_TO_Z_UP
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.core.shape import Shape
@@ -38,6 +38,22 @@ def value_at(robot: Robot, name: str, time: float) -> float:
     return float(np.interp(time / DURATION * lengths[-1], lengths, values))
 
 
+@pytest.mark.parametrize(
+    ("up", "front", "points", "expected"),
+    [
+        ((0, 1, 0), None, (1, 2, 3), (1, 2, 3)),
+        ((0, 1, 0), (1, 0, 0), (1, 2, 3), (1, 2, 3)),
+        ((0, 0, 1), None, (1, -3, 2), (1, 2, 3)),
+        ((0, 0, 1), (1, 0, 0), (3, 1, 2), (1, 2, 3)),
+    ],
+    ids=["y up", "y up, front known", "z up", "z up, front known"],
+)
+def test_up_is_y_and_the_front_faces_z(up, front, points, expected) -> None:
+    shape = replace(shape_of_boxes([((0, 0, 0), points)], [Body(0, "base", (1,))]), up=up, front=front)
+    corners = trimesh.load_scene(io.BytesIO(glb_bytes(robot_of(shape))), file_type="glb").to_geometry().vertices
+    assert corners[np.argmax(np.abs(corners).sum(axis=1))] == pytest.approx(np.array(expected))
+
+
 @settings(max_examples=20)
 @given(articulated_shapes(ups=UPS))
 def test_animations_move_every_link_as_kinmo_does(shape: Shape) -> None:
@@ -46,7 +62,7 @@ def test_animations_move_every_link_as_kinmo_does(shape: Shape) -> None:
     assert shape.mobility is not None
     motions = expected_kinematics(shape.mobility, np.array(shape.up), 0.7)
     frame = np.eye(4)
-    frame[:3, :3] = Y_UP_TO_Z_UP
+    frame[:3, :3] = robot.gltf_rotation.T
     rng = np.random.default_rng(0)
     for _ in range(20):
         moments = {joint.name: float(rng.uniform(0.0, DURATION)) for joint in robot.joints}
@@ -62,7 +78,7 @@ def test_animations_move_every_link_as_kinmo_does(shape: Shape) -> None:
 def test_other_readers_find_all_geometry_at_its_place(shape: Shape) -> None:
     robot = robot_of(shape)
     scene = trimesh.load_scene(io.BytesIO(glb_bytes(robot)), file_type="glb")
-    expected = [visual.mesh.triangles @ Y_UP_TO_Z_UP for link in robot.links for visual in link.visuals]
+    expected = [visual.mesh.triangles @ robot.gltf_rotation.T for link in robot.links for visual in link.visuals]
     found = [mesh.triangles for mesh in scene.dump()]
     assert len(found) == len(expected)
     for triangles in expected:

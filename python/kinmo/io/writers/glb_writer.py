@@ -1,4 +1,5 @@
 """GLB: the object as it looks, with one animation per joint. y is up, in metres, as glTF asks.
+A y-up shape keeps its axes; the front of another one faces +z.
 
 Every link is a node with the name of the link, below the node of its parent. At rest its transform is a translation to the
 origin of its joint: a rotation or translation of the node about the joint's axis articulates the object. Below it is one node
@@ -13,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from kinmo.core.frames import Y_UP_TO_Z_UP
 from kinmo.core.vector import Vector
 from kinmo.io.writers.glb_file import GlbFile
 from kinmo.io.writers.glb_meshes import GlbMeshes
@@ -23,8 +24,6 @@ from kinmo.io.writers.texture_images import Note
 from kinmo.io.writers.writer import ExportedObject
 from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind, RobotLink, Visual
 
-FROM_ROBOT = Y_UP_TO_Z_UP.T
-"""Rotation [3, 3] from the frame of the robot to that of glTF."""
 DURATION = 4.0
 """Length of an animation in seconds."""
 MAX_TURN = math.pi / 3.0
@@ -52,7 +51,7 @@ def glb_bytes(robot: Robot, note: Note = lambda line: None) -> bytes:
     for index in range(len(robot.links)):  # the nodes of links come first, in their order
         _add_link(file, robot, index)
     for node, link in zip(file.lists["nodes"][:], robot.links, strict=True):
-        below = [_add_visual(file, meshes, visual, link) for visual in link.visuals]
+        below = [_add_visual(file, meshes, visual, link, robot.gltf_rotation) for visual in link.visuals]
         node.setdefault("children", []).extend(below)
         if not node["children"]:
             del node["children"]  # glTF forbids empty lists
@@ -64,18 +63,18 @@ def glb_bytes(robot: Robot, note: Note = lambda line: None) -> bytes:
 def _add_link(file: GlbFile, robot: Robot, index: int) -> None:
     link, joint = robot.links[index], robot.joint_of(index)
     if joint is None:
-        file.add("nodes", name=link.name, translation=_vector(link.origin))
+        file.add("nodes", name=link.name, translation=_vector(robot, link.origin))
         return
-    extras: dict[str, Any] = {"joint": joint.name, "type": joint.kind.value, "axis": _vector(joint.axis)}
+    extras: dict[str, Any] = {"joint": joint.name, "type": joint.kind.value, "axis": _vector(robot, joint.axis)}
     if joint.lower is not None and joint.upper is not None:
         extras |= {"lower": joint.lower, "upper": joint.upper}
     place = file.add("nodes", name=link.name, translation=_offset(robot, joint).tolist(), extras=extras)
     file.lists["nodes"][joint.parent].setdefault("children", []).append(place)
 
 
-def _add_visual(file: GlbFile, meshes: GlbMeshes, visual: Visual, link: RobotLink) -> int:
+def _add_visual(file: GlbFile, meshes: GlbMeshes, visual: Visual, link: RobotLink, rotation: NDArray[np.float64]) -> int:
     """Add the node and mesh of a part. Returns the index of the node."""
-    mesh = visual.mesh.moved(FROM_ROBOT, -FROM_ROBOT @ link.origin)
+    mesh = visual.mesh.moved(rotation, -rotation @ link.origin)
     return file.add("nodes", name=visual.name, mesh=meshes.add(visual.name, mesh))
 
 
@@ -85,7 +84,7 @@ def _add_animation(file: GlbFile, robot: Robot, joint: RobotJoint) -> None:
     lengths = np.abs(np.diff(values))
     total = float(lengths.sum())
     times = np.concatenate([[0.0], DURATION * np.cumsum(lengths) / total]) if total > 0.0 else np.zeros(1)
-    axis = FROM_ROBOT @ joint.axis
+    axis = robot.gltf_rotation @ joint.axis
     if joint.kind is RobotJointKind.PRISMATIC:
         path, states = "translation", _offset(robot, joint) + np.outer(values, axis)
     else:
@@ -120,10 +119,10 @@ def joint_values(joint: RobotJoint) -> Vector:
 
 def _offset(robot: Robot, joint: RobotJoint) -> Vector:
     """Translation [3] of the node of a joint's link at rest, below the node of its parent."""
-    return np.asarray(FROM_ROBOT @ (robot.links[joint.child].origin - robot.links[joint.parent].origin)) + 0.0
+    return np.asarray(robot.gltf_rotation @ (robot.links[joint.child].origin - robot.links[joint.parent].origin)) + 0.0
 
 
-def _vector(vector: Vector) -> list[float]:
+def _vector(robot: Robot, vector: Vector) -> list[float]:
     """A vector [3] of the robot in the frame of glTF."""
-    x, y, z = (np.asarray(FROM_ROBOT @ vector) + 0.0).tolist()
+    x, y, z = (np.asarray(robot.gltf_rotation @ vector) + 0.0).tolist()
     return [x, y, z]
