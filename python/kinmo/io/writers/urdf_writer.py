@@ -1,8 +1,8 @@
 """URDF: z up, metres, radians.
 
 Mesh files are in the frame of the robot. PyBullet, MuJoCo and ROS find them: MuJoCo takes the last part of their names only,
-and the folder from the element `<mujoco>`, which others ignore. It also keeps the base a body of its own: MuJoCo 2.3 fails where
-the world has many shapes, and the link keeps its name.
+and the folder from the element `<mujoco>`, which others ignore. It also keeps the base a body of its own: MuJoCo 2.3 fails
+where the world has many shapes, and the link keeps its name.
 """
 
 from __future__ import annotations
