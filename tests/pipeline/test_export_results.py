@@ -200,7 +200,10 @@ def test_what_cannot_be_exported_is_one_line(results: Path, tmp_path: Path) -> N
         (ExportResults(tmp_path / "empty"), r"empty: expected a result of kinmo predict, with joints\.json, at or below it"),
         (ExportResults(results, ("lego",)), "formats: unknown format lego; expected one of"),
         (ExportResults(results, source=tmp_path / "a.glb"), "--source: applies only to one result; found 3 below"),
-        (ExportResults(results, out=tmp_path / "ros", package="p"), "--package: with --out applies only to one result; found 3"),
+        (
+            ExportResults(results, out=tmp_path / "ros", package="p"),
+            "--package: with --out applies only to one result; found 3",
+        ),
         (ExportResults(results / "a", out=results), "--out: .*a would be replaced: leave --out away"),
         (ExportResults(results / "a", out=results / "a"), "--out: lies in the result .*a: name a folder elsewhere"),
         (ExportResults(results, out=results / "a" / "copies"), "--out: lies in the result .*a: name a folder elsewhere"),
