@@ -66,7 +66,14 @@ def test_the_version_is_that_of_the_package() -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [["nonsense"], ["synth"], ["synth", "x", "--count", "none"], ["synth", "x", "--count", "0"]]
+    "arguments",
+    [
+        ["nonsense"],
+        ["synth"],
+        ["synth", "x", "--count", "none"],
+        ["synth", "x", "--count", "0"],
+        ["predict", "x.stl", "--up", "z", "--front", "-z"],
+    ],
 )
 def test_wrong_usage_is_exit_code_2(arguments: list[str]) -> None:
     assert CliRunner().invoke(app, arguments).exit_code == 2

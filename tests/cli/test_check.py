@@ -65,4 +65,5 @@ def test_an_object_that_does_not_work_gives_exit_code_1_and_the_reason(results, 
 def test_a_folder_without_results_is_one_line(tmp_path, monkeypatch, capfd):
     code, out, err = kinmo(f"kinmo check {tmp_path}", monkeypatch, capfd)
     assert (code, out) == (1, "")
-    assert err == f"kinmo: {tmp_path}: expected a result of kinmo predict, with joints.json, at or below it\n"
+    remedy = "make exports with kinmo export --format joints_json,urdf to check them"
+    assert err == f"kinmo: {tmp_path}: expected a result of kinmo predict, with joints.json, at or below it: {remedy}\n"

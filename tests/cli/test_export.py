@@ -77,7 +77,7 @@ def test_the_commands_of_the_guide_run(line: str, folder: Path, run: Run) -> Non
     code, out, _ = kinmo(line, *run)
     assert code == 0
     path = Path(out.splitlines()[-1])
-    formats = re.findall(r"--formats (\w+)", line)
+    formats = re.findall(r"--format (\w+)", line)
     expected = {"urdf": "cabinet.urdf", "partnet_mobility": "mobility_v2.json"}
     assert all((path / expected[name]).is_file() for name in formats)
     assert formats or (path / "joints.json").read_text(encoding="utf-8").count('"override"')

@@ -11,6 +11,7 @@ from cabinet_results import predict_cabinets, result_in
 from predicted_cabinet import CORRECTIONS, write_cabinet_glb
 from trained_workspace import Recorder, contents
 
+import kinmo
 from kinmo.core.errors import InputError
 from kinmo.dataset.workspace import Workspace
 from kinmo.io.readers.stated_facts import StatedFacts
@@ -158,6 +159,19 @@ def test_exports_below_the_results_are_no_results(results: Path) -> None:
     assert sorted(path.name for path in (results / "copies").iterdir() if path.is_dir()) == ["a", "b", "sub__a"]
 
 
+def test_the_folder_of_a_ros_package_has_its_name(results: Path, tmp_path: Path) -> None:
+    stage = ExportResults(results / "b", ("urdf",), tmp_path / "ros", package="b_description")
+    for _ in range(2):
+        recorder = Recorder()
+        folder = stage.run(recorder).path
+        assert folder == tmp_path / "ros" / "b_description"
+        line = f"written into {folder}: ROS looks for package://b_description/ in a folder of that name"
+        assert line in recorder.notes
+    file = folder / "b_description.urdf"
+    assert "package://b_description/meshes/" in file.read_text(encoding="utf-8")
+    assert not any("skipped" in line for line in kinmo.load(file).repairs)
+
+
 def test_predict_regards_exported_results_as_up_to_date(results: Path, tmp_path: Path) -> None:
     ExportResults(results).run(Recorder())
     once = contents(results)
@@ -186,6 +200,10 @@ def test_what_cannot_be_exported_is_one_line(results: Path, tmp_path: Path) -> N
         (ExportResults(tmp_path / "empty"), r"empty: expected a result of kinmo predict, with joints\.json, at or below it"),
         (ExportResults(results, ("lego",)), "formats: unknown format lego; expected one of"),
         (ExportResults(results, source=tmp_path / "a.glb"), "--source: applies only to one result; found 3 below"),
+        (
+            ExportResults(results, out=tmp_path / "ros", package="p"),
+            "--package: with --out applies only to one result; found 3",
+        ),
         (ExportResults(results / "a", out=results), "--out: .*a would be replaced: leave --out away"),
         (ExportResults(results / "a", out=results / "a"), "--out: lies in the result .*a: name a folder elsewhere"),
         (ExportResults(results, out=results / "a" / "copies"), "--out: lies in the result .*a: name a folder elsewhere"),

@@ -212,6 +212,19 @@ def test_edits_of_a_user_stay_only_while_the_shape_and_the_settings_do(stage: Pr
     assert urdf.read_text(encoding="utf-8") == before
 
 
+def test_removed_files_of_other_formats_are_named(stage: PredictShapes) -> None:
+    write_partnet(stage.source / "door")
+    replace(stage, formats=("urdf", "mjcf", "glb")).run(Recorder())
+    fewer, again = Recorder(), Recorder()
+    replace(stage, formats=("urdf",)).run(fewer)
+    line = "removed of the earlier prediction: door.glb, door.xml (add --format urdf,mjcf,glb to write them again)"
+    assert [note for note in fewer.notes if note.startswith("removed")] == [line]
+    assert not (stage.out / "door" / "door.xml").exists()
+    replace(stage, formats=("urdf", "mjcf", "glb")).run(again)
+    assert not any(note.startswith("removed") for note in again.notes)
+    assert (stage.out / "door" / "door.xml").is_file()
+
+
 def test_a_result_without_its_cache_is_recognised_and_replaced(stage: PredictShapes) -> None:
     write_partnet(stage.source / "door")
     stage.run(Recorder())

@@ -54,6 +54,16 @@ def test_a_broken_file_is_one_line(tmp_path: Path) -> None:
     assert run("view", str(tmp_path / "missing.glb"), "--no-browser")[0] == 1
 
 
+def test_repairs_of_a_file_are_shown(tmp_path: Path) -> None:
+    box = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
+    lost = '<visual><geometry><mesh filename="lost.obj"/></geometry></visual>'
+    (tmp_path / "cube.urdf").write_text(f'<robot name="r"><link name="a">{box}{lost}</link></robot>', encoding="utf-8")
+    page, picture = tmp_path / "page.html", tmp_path / "picture.png"
+    for command in (["view", "--html", str(page)], ["render-preview", "-o", str(picture), "--size", "16", "--poses", "1"]):
+        code, _, error = run(command[0], str(tmp_path / "cube.urdf"), *command[1:])
+        assert code == 0 and "repaired: cube: lost.obj skipped: " in error
+
+
 def test_without_viser_the_remedies_are_named(result: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(object_views, "find_spec", lambda name: None)
     code, _, error = run("view", str(result))

@@ -99,6 +99,8 @@ def predict(
         kinmo predict scans/ --category refrigerator -o out/
         kinmo predict depth.png --category refrigerator --intrinsics 525,525,319.5,239.5 --depth-scale 1000 -o out/
     """
+    if up is not None and front is not None and up[-1] == front[-1]:
+        raise BadParameter(f"must be perpendicular to --up, got --up {up} --front {front}", param_hint="--front")
     from kinmo.dataset.workspace import Workspace
 
     workspace = Workspace(options.workspace)

@@ -18,7 +18,9 @@ def render_preview(
         Argument(help="A result of kinmo predict, a URDF or MJCF file, or any 3D file that kinmo reads.", show_default=False),
     ],
     out: Annotated[Path, Option("--out", "-o", help="The file: .png, or .gif for an animation.")] = Path("preview.png"),
-    size: Annotated[int, Option(min=16, max=4096, help="Height of each picture in pixels.")] = 480,
+    size: Annotated[
+        int, Option(min=16, max=4096, help="Height of each picture in pixels, before empty margins are cut off.")
+    ] = 480,
     poses: Annotated[int, Option(min=1, max=12, help="Number of poses side by side, the first one at rest.")] = 3,
     opening: Annotated[float, Option(min=0.0, max=1.0, help="Share of their ranges that joints open in the last pose.")] = 0.8,
     colors: Annotated[

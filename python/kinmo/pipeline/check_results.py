@@ -96,7 +96,8 @@ class CheckResults:
             raise InputError("--simulator", f"none is installed: {SIMULATORS['mujoco'].remedy}")
         folders = list(find_results(self._root))
         if not folders:
-            raise InputError(self.results, f"expected a result of kinmo predict, with {FILE_NAME}, at or below it")
+            remedy = "make exports with kinmo export --format joints_json,urdf to check them"
+            raise InputError(self.results, f"expected a result of kinmo predict, with {FILE_NAME}, at or below it: {remedy}")
         return [CheckJob(folder, simulators, self.seconds) for folder in folders]
 
 

@@ -44,7 +44,7 @@ class ExportResults:
     """Export the prediction in a folder, or all predictions below it, each with its own overrides.toml.
 
     Without `out`, the folders are written again, with their own formats and `formats`. Files that kinmo did not write stay.
-    With `out`, each prediction gets a folder in it.
+    With `out`, each prediction gets a folder in it. With a package too, the folder has the name of the package.
     """
 
     results: Path
@@ -85,6 +85,8 @@ class ExportResults:
         for job, result in exported:
             for note in result.notes:
                 observer.note(f"{clean_text(job.target.name)}: {note}")
+            if self.package and not job.is_in_place:
+                observer.note(f"written into {job.target}: ROS looks for package://{self.package}/ in a folder of that name")
         lines = []
         for job, result in exported:  # several results may have the same id, but not the same folder
             category = clean_text(result.data["category"]) or "unknown"
@@ -134,6 +136,9 @@ class ExportResults:
             raise InputError(self.results, f"expected a result of kinmo predict, with {FILE_NAME}, at or below it")
         if self.source is not None and len(folders) > 1:
             raise InputError("--source", f"applies only to one result; found {len(folders)} below {self._root}")
+        if self.package and self.out is not None and len(folders) > 1:
+            problem = f"with --out applies only to one result; found {len(folders)} below {self._root}: export each by itself"
+            raise InputError("--package", problem)
         return folders
 
     def _is_own_export(self, folder: Path) -> bool:
@@ -146,7 +151,7 @@ class ExportResults:
         """One job for each prediction."""
         jobs = []
         for folder in self._folders():
-            target = folder if self.out is None else self.out / self._name(folder)
+            target = folder if self.out is None else self.out / (self.package or self._name(folder))
             if self.out is not None and target.resolve() == folder.resolve():
                 raise InputError("--out", f"{folder} would be replaced: leave --out away to write results again")
             if self.out is not None and self.out.resolve().is_relative_to(folder.resolve()):

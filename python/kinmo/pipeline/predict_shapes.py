@@ -39,6 +39,7 @@ from kinmo.methods import load_trained_or_shipped
 from kinmo.methods.method import Method
 from kinmo.pipeline.joint_lines import joint_lines
 from kinmo.pipeline.network_jobs import network_runner
+from kinmo.pipeline.removed_formats import EarlierResult, removed_line
 from kinmo.pipeline.result_export import apply_overrides
 from kinmo.robot.collision_geometry import CollisionMode
 from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
@@ -148,6 +149,7 @@ class PredictShapes:
         for problem in problems.values():
             observer.problem(f"skipped: {problem}")
         done = len(targets) - len(jobs)
+        earlier = {job.folder: EarlierResult.of(job.folder) for job in jobs}
         runner = network_runner(self.workers, self.device, self.cluster)
         with closing(runner.run(writer, jobs)) as finished:  # no job outlives the lock
             for job, answer in finished:
@@ -161,6 +163,8 @@ class PredictShapes:
                     cache.store(job.folder.name, job.key, files, {"source": _source(job.found)})
                 done += 1
                 observer.progress("predicting joints", done, len(targets), job.found.id)
+        if (line := removed_line(earlier, writer.formats)) is not None:
+            observer.note(line)
         return problems
 
     def _writer(self) -> PredictionWriter:

@@ -27,7 +27,7 @@ F64 = NDArray[np.float64]
 GAP = 0.002
 """Least gap between two links, in diagonals of the object."""
 MAX_CUT_AT_REST = 0.4
-"""Largest share of a shape's extent that is cut off for the pose of the file, by all cuts. Otherwise the smaller shape is dropped."""
+"""Largest share of its extent that a shape loses for the pose of the file. Otherwise the smaller shape is dropped."""
 MAX_CUT_ON_THE_WAY = 0.25
 """Largest share of its extent there that a shape loses to all other joint values. Otherwise the joint stops before."""
 MIN_TRAVEL = 0.5

@@ -17,6 +17,8 @@ CollisionMode = Literal["convex", "hull", "mesh", "none"]
 COLLISION_MODES: tuple[CollisionMode, ...] = get_args(CollisionMode)
 """All modes."""
 DEFAULT_MODE: CollisionMode = "convex"
+MESH_NOTE = "most simulators take the convex hull of each surface, so that links may overlap: use --collision convex for those"
+"""What a user of the mode "mesh" should know."""
 
 
 def collision_shapes(
@@ -37,7 +39,9 @@ def collision_shapes(
         return shapes, () if not undivided else (_undivided(undivided),)
     if mode == "hull":
         return [[hull_shape(mesh, diagonal)] for mesh in meshes], ()
-    return [[Surface(mesh)] if mode == "mesh" else [] for mesh in meshes], ()
+    if mode == "mesh":
+        return [[Surface(mesh)] for mesh in meshes], (MESH_NOTE,)
+    return [[] for _ in meshes], ()
 
 
 def _undivided(count: int) -> str:

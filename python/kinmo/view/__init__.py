@@ -83,7 +83,7 @@ def preview(
 
     Args:
         item: A prediction, or a shape with its own joints.
-        size: Height of each picture in pixels.
+        size: Height of each picture in pixels, before empty margins are cut off.
         poses: Number of poses, the first one at rest.
         opening: Share of their ranges that joints open in the last pose.
         has_axes: True to draw the axes of the joints.

@@ -40,6 +40,7 @@ class ServeObject:
 
         self._check()
         opened = open_one(self.path, self.source)
+        opened.note_repairs(observer)
         server = ObjectServer(opened.item, opened.folder, host=self.host, port=self.port)
         try:
             observer.note(f"{server.url}  (Ctrl-C ends it)")
@@ -83,6 +84,7 @@ class WritePage:
         scenes = []
         items = open_items(self.path, self.source)
         for done, opened in enumerate(items, 1):
+            opened.note_repairs(observer)
             scenes.append(opened.scene())
             observer.progress("reading", done, len(items), scenes[-1].name)
         self.html.parent.mkdir(parents=True, exist_ok=True)

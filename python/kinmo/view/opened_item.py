@@ -9,6 +9,8 @@ from kinmo.api.load import load
 from kinmo.api.prediction import Prediction
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
+from kinmo.core.wording import clean_text
+from kinmo.dataset.stage import Observer
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.pipeline.export_results import find_results
@@ -31,6 +33,12 @@ class OpenedItem:
 
     item: Prediction | Shape
     folder: Path | None = None
+
+    def note_repairs(self, observer: Observer) -> None:
+        """Show what the reader of the shape had to repair, in one line."""
+        shape = self.item if isinstance(self.item, Shape) else self.item.shape
+        if shape.repairs:
+            observer.note(f"repaired: {clean_text(shape.id)}: {'; '.join(shape.repairs)}")
 
     def scene(self) -> ObjectScene:
         """The scene, with the corrections of an overrides.toml in the folder."""

@@ -52,7 +52,9 @@ class RenderPreview:
     def run(self, observer: Observer) -> Outcome:
         """Write the file."""
         self._check()
-        scene = open_one(self.path, self.source).scene()
+        opened = open_one(self.path, self.source)
+        opened.note_repairs(observer)
+        scene = opened.scene()
         data = self._animation(scene, observer) if self._is_animation else self._picture(scene, observer)
         self.out.parent.mkdir(parents=True, exist_ok=True)
         write_bytes_atomically(self.out, data)

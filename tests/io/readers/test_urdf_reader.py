@@ -140,7 +140,7 @@ ORIGIN = '<origin xyz="1e308 0 0"/>'
         ((MESH.format("/etc/passwd"),), "leads out of the folder"),
         ((MESH.format("package://a/../../no.obj"),), "leads out of the folder"),
         ((MESH.format(300 * "x"),), "found none"),
-        ((MESH.format("package://" + 300 * "x"),), "found none"),
+        ((MESH.format("package://" + 300 * "x"),), "is missing"),
         (("<!DOCTYPE x>",), "document type"),
         (("<link",), "XML"),
     ],
@@ -242,7 +242,7 @@ def test_a_single_link_is_a_shape_with_a_note(tmp_path):
 
 def test_meshes_of_a_package_of_ros_are_found(tmp_path):
     package = write_cabinet(
-        tmp_path / "pkg",
+        tmp_path / "checkout",
         door="package://pkg/parts/door.obj",
         body="../parts/body.obj",
         **{part: f"../parts/{part}.obj" for part in ("handle", "drawer")},
@@ -253,6 +253,51 @@ def test_meshes_of_a_package_of_ros_are_found(tmp_path):
         kinmo.load(package / "urdf" / "cabinet.urdf")
     (package / "package.xml").write_text("<package/>")
     assert len(kinmo.load(package / "urdf" / "cabinet.urdf").leaves) == 4
+
+
+def test_a_package_is_the_nearest_folder_of_its_name(tmp_path, monkeypatch):
+    package = write_cabinet(
+        tmp_path / "pkg" / "ws" / "pkg",
+        **{part: f"package://pkg/parts/{part}.obj" for part in ("body", "door", "handle", "drawer")},
+    )
+    (package / "urdf").mkdir()
+    file = (package / "mobility.urdf").rename(package / "urdf" / "cabinet.urdf")
+    (package / "urdf" / "parts").mkdir()
+    (package / "urdf" / "parts" / "door.obj").write_text("not this one")
+    shape = kinmo.load(file)
+    assert len(shape.leaves) == 4 and not any("skipped" in line for line in shape.repairs)
+    assert len(fingerprint(next(discover(file)))) == 5
+    monkeypatch.chdir(package / "urdf")
+    assert len(kinmo.load("cabinet.urdf").leaves) == 4
+    (package / "urdf" / "parts" / "door.obj").unlink()
+    (package / "parts" / "door.obj").rename(tmp_path / "pkg" / "door.obj")
+    line = kinmo.load(file).repairs[0]
+    looked = f"looked in {package / 'urdf'} and above it up to {package}"
+    assert line == f"door.obj skipped: package://pkg/parts/door.obj is missing, {looked}"
+    file.write_text(file.read_text().replace("pkg/parts/door.obj", "pkg/../../door.obj"))
+    with pytest.raises(InputError, match="leads out of the folder pkg"):
+        kinmo.load(file)
+
+
+def test_a_package_that_is_not_found_is_named(tmp_path):
+    folder = write_cabinet(tmp_path / "a", door="package://pkg/parts/other.obj")
+    problem = f"package://pkg/parts/other.obj is missing, looked in {folder}"
+    remedy = "the folder of mobility.urdf, or one above it, must have the name pkg"
+    assert kinmo.load(folder).repairs[0] == f"other.obj skipped: {problem}: {remedy}"
+
+
+def test_the_home_folder_is_no_package(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path / "user"))
+    folder = write_cabinet(tmp_path / "user" / "a", door="package://user/secret.obj")
+    (folder / "parts" / "door.obj").rename(tmp_path / "user" / "secret.obj")
+    assert "package://user/secret.obj is missing" in kinmo.load(folder).repairs[0]
+
+
+def test_a_missing_file_elsewhere_is_named_with_the_robot_file(tmp_path):
+    folder = write_cabinet(tmp_path / "a", door="/no/such/door.obj")
+    problem = "the mesh /no/such/door.obj is missing, and leads out of the folder a: write its path relative to mobility.urdf"
+    with pytest.raises(InputError, match=f"mobility.urdf: {problem}"):
+        kinmo.load(folder)
 
 
 def test_meshes_of_a_model_of_gazebo_are_found(tmp_path):

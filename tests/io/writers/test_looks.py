@@ -229,6 +229,17 @@ def test_vertex_colors_survive_in_glb_and_obj(tmp_path: Path) -> None:
     np.testing.assert_allclose(sorted(model.mat_rgba[:, 0]), sorted(means), atol=1e-6)
 
 
+def test_one_vertex_color_for_each_part_loses_nothing(tmp_path: Path) -> None:
+    shape = kinmo.load(vertex_colors(tmp_path).path)
+    parts = list(shape.parts)
+    for place, leaf in enumerate(shape.leaves, 1):
+        mesh = shape.leaf_mesh(leaf)
+        assert mesh.look is not None and mesh.look.colors is not None
+        colors = np.full_like(mesh.look.colors, place / 4)
+        parts[leaf] = replace(parts[leaf], mesh=replace(mesh, look=replace(mesh.look, colors=colors)))
+    assert exported(replace(shape, parts=tuple(parts)), tmp_path / "out", "urdf", "mjcf").notes == []
+
+
 def test_notes_are_in_joints_json(tmp_path: Path) -> None:
     shape = kinmo.load(vertex_colors(tmp_path).path)
     mobility = exported(shape, tmp_path / "first").mobility

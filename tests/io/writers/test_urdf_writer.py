@@ -19,7 +19,8 @@ from kinmo.core.kinematics import forward
 from kinmo.core.links import links_of
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.names import unique_names
-from kinmo.io.writers import ExportOptions, export
+from kinmo.io.writers import ExportOptions, export, write_formats
+from kinmo.robot.collision_geometry import MESH_NOTE
 from kinmo.robot.robot_builder import build_robot
 
 UPS = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (0.6, 0.0, 0.8))
@@ -97,6 +98,14 @@ def test_files_of_a_ros_package_are_named_by_it(tmp_path):
     assert len(files) == 2
     for file in files:
         assert (tmp_path / "out" / file.removeprefix("package://box_description/")).is_file()
+
+
+def test_surfaces_as_collision_geometry_are_noted(tmp_path):
+    shape = shape_of_boxes([((0, 0, 0), (1, 1, 1))], [Body(0, "base", (1,))])
+    for mode, expected in (("mesh", [MESH_NOTE]), ("none", [])):
+        notes = []
+        write_formats(shape, shape.mobility, tmp_path, ["urdf"], ExportOptions(collision=mode), notes)
+        assert notes == expected
 
 
 def test_every_link_is_a_body_of_mujoco(tmp_path):

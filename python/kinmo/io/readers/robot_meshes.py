@@ -9,6 +9,7 @@ from pathlib import Path
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, join
+from kinmo.core.wording import printable_path
 from kinmo.io.readers.dae_reader import read_dae_scene
 from kinmo.io.readers.gltf_reader import read_glb_scene
 from kinmo.io.readers.msh_mesh import read_msh_mesh
@@ -18,7 +19,7 @@ from kinmo.io.readers.off_mesh import read_off_mesh
 from kinmo.io.readers.ply_mesh import read_ply_mesh
 from kinmo.io.readers.scene import CornerBudget, Scene
 from kinmo.io.readers.stl_reader import read_stl_scene
-from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, inside, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, inside, plain_path, read_bytes
 
 
 def refuse(problem: InputError) -> None:
@@ -39,15 +40,42 @@ def mesh_path(name: str, robot: Path, home: Path) -> Path:
 
     Args:
         name: the name as it is written.
-        robot: the robot file. Packages and models are searched beside it and in the folders above it, up to `home`.
+        robot: the robot file. Packages and models are searched beside it and in the folders above it, up to `home`: first in
+            the nearest folder of the name of the package.
         home: a folder at or above that of the file.
     """
-    scheme, _, inside = name.partition("://")
-    if scheme not in ("package", "model"):
+    package, tail = package_parts(name)
+    if not package:
         return robot.parent / name.removeprefix("file://")
-    folders = [folder for folder in robot.parents if folder == robot.parent or folder == home or home in folder.parents]
-    places = [folder / tail for folder in folders for tail in (inside, inside.partition("/")[2])]
+    folders = _searched(robot, home)
+    places = [folder / tail for folder in folders if folder.name == package][:1]
+    places += [folder / each for folder in folders for each in (f"{package}/{tail}", tail)]
     return next((place for place in places if is_file(place)), places[0])
+
+
+def package_parts(name: str) -> tuple[str, str]:
+    """The package or model in the name of a mesh, and the path in it. The package is empty for a path without one."""
+    scheme, _, path = name.partition("://")
+    package, _, tail = path.partition("/")
+    return (package, tail) if scheme in ("package", "model") else ("", name)
+
+
+def missing_mesh(name: str, robot: Path, home: Path) -> str:
+    """What to say of a mesh that `mesh_path` does not find. The arguments are the same."""
+    package, _ = package_parts(name)
+    if not package:
+        return "expected a mesh file, found none"
+    nearest, *others = (printable_path(folder) for folder in _searched(robot, home))
+    places = f"{nearest} and above it up to {others[-1]}" if others else nearest
+    named = any(folder.name == package for folder in _searched(robot, home))
+    remedy = "" if named else f": the folder of {robot.name}, or one above it, must have the name {package}"
+    return f"{name} is missing, looked in {places}{remedy}"
+
+
+def _searched(robot: Path, home: Path) -> list[Path]:
+    """The folder of a robot file, and those above it up to `home`."""
+    first, top = plain_path(robot).parent, plain_path(home)
+    return [first, *(folder for folder in first.parents if folder.is_relative_to(top))]
 
 
 class RobotMeshes:
@@ -63,27 +91,45 @@ class RobotMeshes:
     ) -> None:
         """Args: the robot file, `home`, what receives the problem of an unreadable mesh, and the materials of meshes."""
         self.home = home
+        self._path = path
         self.files: list[Path] = []
         self._budget = CornerBudget(path)
         self._report = report
         self._materials = materials
         self._meshes: dict[Path, Mesh | None] = {}
 
-    def read(self, path: Path) -> Mesh | None:
+    def read(self, path: Path, missing: str = "") -> Mesh | None:
         """The triangles of a mesh file in its own frame. None if it cannot be read, which is reported once.
 
-        Raises InputError for a path that leads out of `home`.
+        Args:
+            path: the mesh file.
+            missing: what to report if there is no such file. Empty for the usual words.
+
+        Raises:
+            InputError: the path leads out of `home`.
         """
-        file = inside(path, self.home)
+        file = self._inside(path)
         if file not in self._meshes:
             self.files.append(file)
             self._meshes[file] = None
             try:
+                if missing and not is_file(file):
+                    raise InputError(file, missing)
                 self._meshes[file] = read_mesh(file, self._materials)
             except InputError as problem:
                 self._report(problem)
         mesh = self._meshes[file]
         return None if mesh is None else self.counted(mesh)
+
+    def _inside(self, path: Path) -> Path:
+        """The path as `inside` gives it. A missing file, maybe of another machine, is named as such."""
+        try:
+            return inside(path, self.home)
+        except InputError:
+            if is_file(path):
+                raise
+            problem = f"is missing, and leads out of the folder {self.home.name}: write its path relative to {self._path.name}"
+            raise InputError(self._path, f"the mesh {printable_path(path)} {problem}") from None
 
     def counted(self, mesh: Mesh) -> Mesh:
         """The mesh itself. Raises InputError if the meshes of the robot have too many corners together."""

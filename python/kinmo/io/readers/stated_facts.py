@@ -63,7 +63,8 @@ class StatedFacts:
         if self.front is not None:
             changes["front"] = AXIS_VECTORS[self.front]
             if abs(np.dot(changes.get("up", shape.up), changes["front"])) > 1e-6:
-                raise InputError("--front", f"{self.front} is not perpendicular to the up direction: add --up")
+                remedy = "add --up" if self.up is None else "front and up must be perpendicular"
+                raise InputError("--front", f"{self.front} is not perpendicular to the up direction: {remedy}")
         return replace(shape, guesses=guesses, **changes)
 
     def key(self) -> list[str | float | None]:

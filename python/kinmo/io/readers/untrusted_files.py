@@ -23,9 +23,14 @@ _LFS_POINTER = b"version https://git-lfs.github.com/spec/v1"
 _OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
 
+def plain_path(path: Path) -> Path:
+    """The absolute path without steps such as `..`."""
+    return Path(os.path.normpath(path.absolute()))
+
+
 def inside(path: Path, folder: Path) -> Path:
     """The absolute path without steps such as `..`. Raises InputError if it leads out of the folder."""
-    place, home = (Path(os.path.normpath(each.absolute())) for each in (path, folder))
+    place, home = plain_path(path), plain_path(folder)
     if place != home and home not in place.parents:
         raise InputError(path, f"leads out of the folder {home.name}: expected a path inside it")
     return place

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import xml.etree.ElementTree as ET
 from collections import Counter
@@ -19,11 +20,11 @@ from kinmo.io.readers import solids
 from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.robot_file import FIXED, MAX_NUMBER, JointElement, Matrix, RobotFile, RobotPiece, ordered_links
-from kinmo.io.readers.robot_meshes import RobotMeshes, mesh_path, refuse
+from kinmo.io.readers.robot_meshes import RobotMeshes, mesh_path, missing_mesh, refuse
 from kinmo.io.readers.robot_numbers import read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
 from kinmo.io.readers.scene import ignored, placed
-from kinmo.io.readers.untrusted_files import read_bytes
+from kinmo.io.readers.untrusted_files import plain_path, read_bytes
 from kinmo.io.readers.urdf_materials import UrdfMaterials
 from kinmo.io.readers.xml_files import MAX_XML_BYTES, parse_xml
 
@@ -31,6 +32,8 @@ URDF = "urdf"
 _ENDING = ".urdf"
 _PACKAGE_FILE = "package.xml"
 """File by which a package of ROS is recognised."""
+_PACKAGE = re.compile(rb"""["'](?:package|model)://([^/"']+)/""")
+"""Name of a package of ROS, or of a model of Gazebo, in the path of a file."""
 
 
 def read_urdf(path: Path) -> Shape:
@@ -79,9 +82,25 @@ def read_robot_file(
 
 
 def _home(path: Path) -> Path:
-    """The folder of a file, or that of the package of ROS around it."""
-    folder = path.absolute().parent
-    return next((above for above in (folder, *folder.parents) if (above / _PACKAGE_FILE).is_file()), folder)
+    """The folder of a file, or that of the package of ROS around it.
+
+    A package is a folder with package.xml, or the nearest one with the name of a package in the file.
+    """
+    folder = plain_path(path).parent
+    above = (folder, *folder.parents)
+    homes = [folder, *(each for each in above if (each / _PACKAGE_FILE).is_file())][:2]
+    data = read_bytes(path, path.parent, MAX_XML_BYTES)
+    for name in {match.decode("utf-8", "replace") for match in _PACKAGE.findall(data)}:
+        homes += [each for each in above if each.name == name and not _is_private(each)][:1]
+    return min(homes, key=lambda home: len(home.parts))
+
+
+def _is_private(folder: Path) -> bool:
+    """True for the home folder of the user and what is above it. They are no package, and a file must not open them."""
+    try:
+        return Path.home().is_relative_to(folder)
+    except RuntimeError:  # the user has none
+        return False
 
 
 def _pose(path: Path, element: ET.Element | None) -> Matrix:
@@ -129,7 +148,8 @@ def _piece(path: Path, meshes: RobotMeshes, element: ET.Element, looks: UrdfMate
 
     mesh: Mesh | None
     if shape.tag == "mesh":
-        mesh = meshes.read(mesh_path(shape.get("filename") or "", path, meshes.home))
+        file = shape.get("filename") or ""
+        mesh = meshes.read(mesh_path(file, path, meshes.home), missing_mesh(file, path, meshes.home))
         pose[:3, :3] *= read_numbers(path, shape.attrib, "scale", (1.0, 1.0, 1.0))
     elif shape.tag == "box":
         mesh = meshes.counted(solids.box(read_numbers(path, shape.attrib, "size", (1.0, 1.0, 1.0))))

@@ -16,7 +16,7 @@ from kinmo.core.oriented_box import Box
 from kinmo.io.writers.robot_meshes import (
     MESHES,
     collision_mesh,
-    has_colors,
+    has_different_colors,
     mesh_file,
     shown_material,
     textures_of,
@@ -35,7 +35,7 @@ def write_mjcf(exported: ExportedObject, folder: Path) -> Path:
     robot = with_single_materials(exported.robot)
     textures = textures_of(robot, folder, lambda line: exported.note(f"mjcf: {line}"))
     write_robot_meshes(robot, folder, textures)
-    if any(has_colors(visual.mesh) for link in robot.links for visual in link.visuals):
+    if any(has_different_colors(visual.mesh) for link in robot.links for visual in link.visuals):
         exported.note("mjcf: each part has the mean colour of its vertices, as MuJoCo knows no vertex colours")
     return write_xml(mjcf_element(robot, textures), folder / f"{exported.options.name}.xml")
 

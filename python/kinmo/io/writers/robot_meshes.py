@@ -70,7 +70,7 @@ def shown_material(mesh: Mesh) -> Material | None:
     if mesh.look is None:
         return None
     material, colors = next(iter(mesh.look.materials), None), mesh.look.colors
-    if colors is None or not has_colors(mesh):
+    if colors is None or not np.any(colors != 1.0):  # white changes nothing
         return material
     weights = mesh.face_areas if mesh.face_areas.sum() > 0.0 else np.ones(len(mesh.faces))
     mean = np.average(colors.astype(np.float64).mean(axis=1), axis=0, weights=weights)
@@ -79,9 +79,10 @@ def shown_material(mesh: Mesh) -> Material | None:
     return replace(plain, base_color=(red, green, blue, opacity))
 
 
-def has_colors(mesh: Mesh) -> bool:
-    """True if a mesh has vertex colours other than white."""
-    return mesh.look is not None and mesh.look.colors is not None and bool(np.any(mesh.look.colors != 1.0))
+def has_different_colors(mesh: Mesh) -> bool:
+    """True if the vertex colours of a mesh differ from each other."""
+    colors = None if mesh.look is None else mesh.look.colors
+    return colors is not None and bool(np.any(colors != colors[:1, :1]))
 
 
 def textures_of(robot: Robot, folder: Path, note: Note) -> TextureImages:

@@ -16,7 +16,7 @@ from kinmo.core.oriented_box import Box
 from kinmo.core.vector import Vector
 from kinmo.io.writers.robot_meshes import (
     MESHES,
-    has_colors,
+    has_different_colors,
     mesh_file,
     shown_material,
     textures_of,
@@ -42,7 +42,7 @@ def write_urdf(exported: ExportedObject, folder: Path) -> Path:
     root = robot_element(
         robot, lambda item: f"{place}/{mesh_file(item)}", material_of=lambda visual: material_element(visual, textures, place)
     )
-    if any(has_colors(visual.mesh) for link in robot.links for visual in link.visuals):
+    if any(has_different_colors(visual.mesh) for link in robot.links for visual in link.visuals):
         exported.note("urdf: the colours of vertices are in the OBJ files alone; the URDF has their mean for each part")
     extension = ET.Element("mujoco")
     ET.SubElement(extension, "compiler", meshdir=MESHES, strippath="true", fusestatic="false")
