@@ -389,7 +389,8 @@ def test_guesses_are_printed_and_written(stage: PredictShapes) -> None:
     path = boxes_file(stage.source / "a.glb", (0, 0, 0), (3, 0, 0))
     recorder = Recorder()
     replace(stage, source=path).run(recorder)
-    assert "guessed: up +y (glTF), 1 unit = 1 m, category unknown" in recorder.notes
+    options = "(if wrong: --up, --metres-per-unit, --category)"
+    assert f"guessed: up +y (glTF), 1 unit = 1 m, category unknown {options}" in recorder.notes
     shape = json.loads((stage.out / "a" / "joints.json").read_text(encoding="utf-8"))["shape"]
     assert shape["guessed"] == {"up": "up +y (glTF)", "metres_per_unit": "1 unit = 1 m", "category": "category unknown"}
     assert (shape["front"], shape["metres_per_unit"], shape["category"]) == ([0.0, 0.0, 1.0], 1.0, "")
@@ -401,7 +402,8 @@ def test_equal_guesses_about_several_shapes_are_one_line(stage: PredictShapes) -
     recorder = Recorder()
     stage.run(recorder)
     lines = [line for line in recorder.notes if line.startswith("guessed")]
-    assert lines == ["guessed for 3 shapes, such as scene: up +y (glTF), 1 unit = 1 m, category unknown"]
+    options = "(if wrong: --up, --metres-per-unit, --category)"
+    assert lines == [f"guessed for 3 shapes, such as scene: up +y (glTF), 1 unit = 1 m, category unknown {options}"]
 
 
 def test_what_is_stated_is_not_guessed(stage: PredictShapes) -> None:

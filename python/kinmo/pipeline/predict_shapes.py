@@ -281,7 +281,8 @@ def _guess_lines(documents: Sequence[dict[str, Any]]) -> list[str]:
     ids: dict[str, list[str]] = {}
     for document in documents:
         if document["guessed"]:
-            ids.setdefault(", ".join(document["guessed"].values()), []).append(document["id"])
+            options = ", ".join(f"--{name.replace('_', '-')}" for name in document["guessed"])
+            ids.setdefault(f"{', '.join(document['guessed'].values())} (if wrong: {options})", []).append(document["id"])
     if len(documents) == 1:
         return [f"guessed: {line}" for line in ids]
     return [f"guessed for {counted(len(same), 'shape')}, such as {same[0]}: {line}" for line, same in ids.items()]
