@@ -36,7 +36,6 @@ from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.dataset.jobs import Failure, runner_for
 from kinmo.io.writers import ExportOptions, export
 from kinmo.pipeline.result_check import SIMULATORS, TESTS, CheckJob, FileCheck, check_result
-from kinmo.robot.robot_builder import link_names
 
 QUICK = 3
 GOAL = 0.95
@@ -101,13 +100,12 @@ def swept_shares(shape: Shape, mobility: Mobility, limits: dict[str, tuple[float
     place = {leaf: index for index, leaf in enumerate(shape.leaves)}
     placed = [((mesh.vertices - shape.center) / shape.diagonal, mesh.faces) for mesh in shape.meshes()]
     meshes = _core.Meshes([vertices for vertices, _ in placed], [faces for _, faces in placed])
-    links = links_of(mobility)
     shares = []
-    for link, (_, joint_name, _, slide_name) in zip(links, link_names(links), strict=True):
+    for link in links_of(mobility):
         joint = link.joint
         if joint is None or link.body is None:
             continue
-        span = limits.get(slide_name if joint.kind is JointKind.SCREW else joint_name)
+        span = limits.get(link.slide_joint_name or link.joint_name)
         moving = sorted(place[leaf] for body in mobility.descendants(link.body) for leaf in mobility.bodies[body].leaves)
         obstacles = _apart(meshes, placed, moving)
         if span is None or not obstacles:

@@ -70,7 +70,9 @@ def articulated_shapes(draw, max_bodies=6, ups=((0.0, 1.0, 0.0),)):
         parent = draw(st.integers(0, index - 1)) if index else None
         is_fixed = draw(st.integers(0, 4)) == 0
         joint = None if parent is None or is_fixed else draw(joints())
-        bodies.append(Body(index, draw(st.sampled_from(["door", "a/b <&>", "", "door"])), (index + 1,), parent, joint))
+        bodies.append(
+            Body(index, draw(st.sampled_from(["door", "a/b <&>", "", "door", "Tür", "扉"])), (index + 1,), parent, joint)
+        )
     return shape_of_boxes(boxes, bodies, up=draw(st.sampled_from(ups)))
 
 

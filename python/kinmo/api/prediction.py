@@ -40,7 +40,7 @@ class PredictedJoint:
     """One predicted joint.
 
     Attributes:
-        name: Name of the link that moves, unique within the prediction: letters, digits, - and _. URDFs have the same names.
+        name: Name of the link that moves, unique within the prediction: letters, digits and _. Exports have the same names.
         parent: Name of the link that it is attached to.
         joint: Kind, axis, limits and rest value, in the shape's own frame and units; angles in radians.
         score: Score in [0, 1]; for kinmo's own method a probability.
@@ -139,7 +139,7 @@ class Prediction:
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
-        """Rigid links, the base first and every link after its parent. Bodies that are fixed to each other form one link."""
+        """Rigid links with their names in exports: the base first, parents before children. Fixed bodies share one."""
         return links_of(self.mobility)
 
     @cached_property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable
 from urllib.parse import quote
 
@@ -23,8 +24,31 @@ def short_name(name: str, text: str) -> str:
     return name if len(encoded) <= MAX_NAME_BYTES else f"{encoded[:MAX_NAME_BYTES].decode(errors='ignore')}~{digest(text)}"
 
 
+def identifier(text: str) -> str:
+    """Letters, digits and `_` of a text, accents removed and other characters as `_`. Empty if no letter or digit is left.
+
+    Example:
+        >>> identifier("Tür links"), identifier("引き出し箱")
+        ('Tur_links', '')
+    """
+    characters = (each for each in unicodedata.normalize("NFKD", text) if not unicodedata.category(each).startswith("M"))
+    plain = "".join(each if each.isascii() else each.casefold() for each in characters)  # casefold writes ß as ss
+    return re.sub(r"[^A-Za-z0-9_]+", "_", plain).strip("_")
+
+
+def name_or_number(name: str, kind: str, number: int) -> str:
+    """`name`, or the kind of a thing with its number if the name makes no identifier: "body_1".
+
+    Args:
+        name: The name of the thing in its source.
+        kind: Word for things of its kind.
+        number: Its number, by which people refer to it.
+    """
+    return name if identifier(name) else f"{kind}_{number}"
+
+
 def unique_names(names: Iterable[str]) -> list[str]:
-    """Convert names to identifiers that differ even if case is ignored: letters, digits and `_`, with no digit first.
+    """Convert names to identifiers (see `identifier`) that differ even if case is ignored, with no digit first.
 
     They are valid in URDF, MJCF and USD. A repeated name gets a number. One that begins with a digit, or has no valid
     character, begins with `part`.
@@ -36,7 +60,7 @@ def unique_names(names: Iterable[str]) -> list[str]:
     taken: set[str] = set()
     result = []
     for name in names:
-        stem = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_")
+        stem = identifier(name)
         if not stem or stem[0].isdigit():
             stem = f"part_{stem}".strip("_")
         candidate, number = stem, 2

@@ -10,6 +10,7 @@ import numpy as np
 from kinmo.core.joint import KIND_WORDS, Joint, JointKind, joint_from_data
 from kinmo.core.references import body_labels
 from kinmo.core.shape_estimate import OVERRIDE
+from kinmo.core.wording import clean_text
 
 UNCERTAIN = 0.5  # score below which a joint is called uncertain
 
@@ -17,15 +18,23 @@ UNCERTAIN = 0.5  # score below which a joint is called uncertain
 def joint_lines(document: Mapping[str, Any]) -> list[str]:
     """One line for each joint of joints.json. A body whose name is not unique gets its number, by which overrides name it.
 
+    A line also has the name of the link in exports if it differs from that.
+
     Raises KeyError, TypeError, IndexError or ValueError if the document has another form.
     """
     bodies = document["bodies"]
     labels = body_labels({body["id"]: body["name"] for body in bodies})
     return [
-        _joint_line(labels[body["id"]], joint_from_data(body["joint"]), body["estimates"][0])
+        _joint_line(_with_link(labels[body["id"]], body), joint_from_data(body["joint"]), body["estimates"][0])
         for body in bodies
         if body["joint"] is not None
     ]
+
+
+def _with_link(label: str, body: Mapping[str, Any]) -> str:
+    """The label of a body with the name of its link, if that differs and joints.json has it."""
+    link = body.get("link", label)
+    return label if link == label else f"{label} (link {clean_text(link)})"
 
 
 def _joint_line(label: str, joint: Joint, estimate: Mapping[str, Any]) -> str:

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from kinmo.core.frames import gltf_rotation, z_up_rotation
 from kinmo.core.joint import Joint, JointKind
-from kinmo.core.links import Link, links_of
+from kinmo.core.links import links_of
 from kinmo.core.mobility import Mobility
-from kinmo.core.names import unique_names
+from kinmo.core.names import name_or_number, unique_names
 from kinmo.core.shape import Mesh, Shape, bounds_of
 from kinmo.core.vector import Vector
 from kinmo.robot.clearance import with_clearance
@@ -21,9 +21,6 @@ from kinmo.robot.inertia import inertial_of
 from kinmo.robot.physics import DEFAULT_PHYSICS, Physics, damped
 from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind, RobotLink, Visual
 from kinmo.robot.safe_limits import stop_notes, with_safe_limits
-
-NAME_ENDINGS = ("", "_joint", "_slide", "_slide_joint")
-"""Endings of the names of a link, its joint, and the extra link and joint of a screw."""
 
 
 def build_robot(
@@ -48,14 +45,12 @@ def build_robot(
     """
     rotation = z_up_rotation(np.asarray(shape.up, float))
     diagonal = metres_per_unit * shape.diagonal
-    names = dict(zip(shape.leaves, unique_names(shape.parts[leaf].name for leaf in shape.leaves), strict=True))
-    kinmo_links = links_of(mobility)
+    part_names = (name_or_number(shape.parts[leaf].name, "part", shape.parts[leaf].id) for leaf in shape.leaves)
+    names = dict(zip(shape.leaves, unique_names(part_names), strict=True))
     links: list[RobotLink] = []
     joints: list[RobotJoint] = []
     place: dict[int, int] = {}
-    for index, (link, (name, joint_name, slide, slide_joint)) in enumerate(
-        zip(kinmo_links, link_names(kinmo_links), strict=True)
-    ):
+    for index, link in enumerate(links_of(mobility)):
         meshes = {leaf: _placed(shape.leaf_mesh(leaf), rotation, metres_per_unit) for leaf in link.leaves}
         visuals = tuple(Visual(names[leaf], leaf, mesh) for leaf, mesh in meshes.items())
         origin = _origin(link.joint, list(meshes.values()), rotation, metres_per_unit)
@@ -63,14 +58,14 @@ def build_robot(
             parent, axis = place[link.parent], rotation @ link.joint.direction
             for kind, limits in _motions(link.joint, metres_per_unit, diagonal):
                 is_last = kind is not RobotJointKind.PRISMATIC or link.joint.kind is JointKind.PRISMATIC
-                own = joint_name if is_last else slide_joint
+                own = link.joint_name if is_last else link.slide_joint_name
                 joints.append(_joint(own, kind, parent, len(links), axis, limits, physics))
                 if not is_last:
                     parent = len(links)
-                    links.append(RobotLink(slide, origin, (), (), inertial_of([])))
+                    links.append(RobotLink(link.slide_link, origin, (), (), inertial_of([])))
         place[index] = len(links)
         densities = [physics.density_of(shape.parts[leaf].name) for leaf in meshes]
-        links.append(RobotLink(name, origin, visuals, (), inertial_of(list(meshes.values()), densities)))
+        links.append(RobotLink(link.name, origin, visuals, (), inertial_of(list(meshes.values()), densities)))
     colliding, notes = _with_collisions(links, diagonal, collision)
     title = unique_names([f"{shape.category}_{shape.id}"])[0]
     front = None if shape.front is None else np.asarray(shape.front, float)
@@ -87,12 +82,6 @@ def build_robot(
 def _placed(mesh: Mesh, rotation: NDArray[np.float64], scale: float) -> Mesh:
     """A mesh in the frame of the robot."""
     return replace(mesh.rotated(rotation), vertices=scale * mesh.vertices @ rotation.T)
-
-
-def link_names(links: Sequence[Link]) -> list[list[str]]:
-    """Four names for each link, one for each of `NAME_ENDINGS`. All differ."""
-    names = unique_names(f"{link.name}{ending}" for ending in NAME_ENDINGS for link in links)
-    return [names[place :: len(links)] for place in range(len(links))]
 
 
 def _origin(joint: Joint | None, meshes: Sequence[Mesh], rotation: NDArray[np.float64], scale: float) -> Vector:

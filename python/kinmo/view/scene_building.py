@@ -91,12 +91,12 @@ def _scene(
 ) -> ObjectScene:
     notes = (*notes, *shape.repairs, *(f"guessed: {guess}" for guess in shape.guesses.values()))
     scene = ObjectScene(shape.id, _facts(shape, mobility), shape, (), notes)
-    labels = body_labels({place: body.name for place, body in enumerate(mobility.bodies)})
+    labels = body_labels({body.id: body.name for body in mobility.bodies})
     colors = body_colors([body.joint is not None for body in mobility.bodies])
     bodies = []
     for index, body in enumerate(mobility.bodies):
         own = tuple(_placed(option, scene, body) for option in options[index])
-        bodies.append(SceneBody(labels[index], body.parent, body.leaves, colors[index], own, chosen[index], keys[index]))
+        bodies.append(SceneBody(labels[body.id], body.parent, body.leaves, colors[index], own, chosen[index], keys[index]))
     return replace(scene, bodies=tuple(bodies))
 
 

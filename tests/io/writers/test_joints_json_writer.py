@@ -2,6 +2,7 @@
 
 import copy
 import json
+import xml.etree.ElementTree as ET
 from importlib.resources import files
 
 import numpy as np
@@ -11,12 +12,14 @@ from exports import write_joints_json
 from hypothesis import given, settings
 
 from kinmo.core.errors import InputError
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.core.shape_estimate import JointEstimate, PredictionProvenance, ShapeEstimate
 from kinmo.io.readers.joints_json_reader import read_joints_json
-from kinmo.io.writers import ExportOptions
+from kinmo.io.writers import ExportOptions, write_formats
 from kinmo.io.writers.joints_json_writer import joints_document
+from kinmo.pipeline.joint_lines import joint_lines
 
 SCHEMA = json.loads((files("kinmo.io.writers") / "joints.schema.json").read_text(encoding="utf-8"))
 TYPES = {
@@ -107,6 +110,57 @@ def test_a_prediction_survives_a_round_trip(tmp_path_factory, shape):
 def test_the_file_conforms_to_its_schema(shape):
     document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), OPTIONS)))
     assert list(violations(document, SCHEMA, SCHEMA)) == []
+
+
+@settings(max_examples=25)
+@given(articulated_shapes())
+def test_links_and_joints_are_those_of_the_urdf_and_the_other_way_round(tmp_path_factory, shape):
+    prediction, folder = prediction_of(shape), tmp_path_factory.mktemp("out")
+    written = write_formats(shape, prediction, folder, ["urdf", "joints_json"], ExportOptions(collision="none"))
+    bodies = json.loads(written["joints_json"].read_text(encoding="utf-8"))["bodies"]
+    robot = ET.parse(written["urdf"]).getroot()
+    slides = [(body["slide_link"], body["slide_joint_name"]) for body in bodies if "slide_link" in body]
+    links = {body["link"] for body in bodies} | {link for link, _ in slides}
+    joints = [body["joint_name"] for body in bodies if body["joint_name"] is not None] + [joint for _, joint in slides]
+    assert sorted(link.get("name") for link in robot.iter("link")) == sorted(links)
+    assert sorted(joint.get("name") for joint in robot.iter("joint")) == sorted(joints)
+    ends = {joint.get("name"): joint.find("child").get("link") for joint in robot.iter("joint")}
+    places = {visual.get("name"): link.get("name") for link in robot.iter("link") for visual in link.iter("visual")}
+    for body in bodies:
+        assert (body["joint_name"] is None) == (body["joint"] is None)
+        assert body["joint"] is None or ends[body["joint_name"]] == body["link"]
+        assert ("slide_link" in body) == (body["joint"] is not None and body["joint"]["kind"] == "PR")
+        for part in body["parts"]:
+            assert places[part["name"].replace(" ", "_")] == body["link"]
+
+
+def test_unnamed_bodies_have_the_number_of_the_summary_in_their_links():
+    joint = Joint(JointKind.PRISMATIC, np.array([0.0, 0, 1]), np.zeros(3), 0.0, 1.0)
+    names = ["base", "", "", "引き出し箱", "Tür links", "door"]
+    bodies = [Body(i, name, (i + 1,), 0 if i else None, joint if i else None) for i, name in enumerate(names)]
+    shape = shape_of_boxes([((0, i, 0), (1, i + 1, 1)) for i in range(len(names))], bodies)
+    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), OPTIONS)))
+    links = [body["link"] for body in document["bodies"]]
+    assert links == ["base", "body_1", "body_2", "body_3", "Tur_links", "door"]
+    assert [line.strip().split(":")[0] for line in joint_lines(document)] == [
+        "#1 (link body_1)",
+        "#2 (link body_2)",
+        "引き出し箱 (link body_3)",
+        "Tür links (link Tur_links)",
+        "door",
+    ]
+
+
+def test_a_file_without_names_of_links_is_read(tmp_path):
+    shape = plain_shape()
+    document = joints_document(shape, prediction_of(shape), OPTIONS)
+    for body in document["bodies"]:
+        del body["link"], body["joint_name"]
+    assert list(violations(json.loads(json.dumps(document)), SCHEMA, SCHEMA)) == []
+    (tmp_path / "joints.json").write_text(json.dumps(document))
+    found, _ = read_joints_json(tmp_path / "joints.json", shape)
+    assert plain(found) == plain(prediction_of(shape))
+    assert joint_lines(document) == []
 
 
 def test_only_bodies_of_junk_alone_are_junk():

@@ -14,7 +14,6 @@ from kinmo.core.links import links_of
 from kinmo.core.mobility import Mobility
 from kinmo.core.vector import Vector
 from kinmo.evaluation.simulation.object_check import Kinematics
-from kinmo.robot.robot_builder import link_names
 
 
 def expected_kinematics(mobility: Mobility, up: Vector, metres_per_unit: float) -> Kinematics:
@@ -30,7 +29,6 @@ def expected_kinematics(mobility: Mobility, up: Vector, metres_per_unit: float) 
         the frame of the robot.
     """
     links = links_of(mobility)
-    names = link_names(links)
     frame = np.eye(4)
     frame[:3, :3] = metres_per_unit * z_up_rotation(np.asarray(up, float))
     back = np.linalg.inv(frame)
@@ -38,21 +36,21 @@ def expected_kinematics(mobility: Mobility, up: Vector, metres_per_unit: float) 
     def motions(values: Mapping[str, float]) -> dict[str, Pose]:
         main: dict[int, float] = {}
         angles: dict[int, float] = {}
-        for link, (_, joint, _, slide) in zip(links, names, strict=True):
+        for link in links:
             if link.joint is None or link.body is None:
                 continue
-            rest, value = link.joint.rest, values.get(joint, 0.0)
+            rest, value = link.joint.rest, values.get(link.joint_name, 0.0)
             if link.joint.kind is JointKind.SCREW:
-                main[link.body] = rest + values.get(slide, 0.0) / metres_per_unit
+                main[link.body] = rest + values.get(link.slide_joint_name, 0.0) / metres_per_unit
                 angles[link.body] = value
             else:
                 main[link.body] = rest + (value if link.joint.has_pivot else value / metres_per_unit)
         poses: NDArray[np.float64] = frame @ forward(mobility, main, angles) @ back
-        found = {own[0]: np.eye(4) if link.body is None else poses[link.body] for link, own in zip(links, names, strict=True)}
-        for link, (_, _, slide_link, _) in zip(links, names, strict=True):
+        found = {link.name: np.eye(4) if link.body is None else poses[link.body] for link in links}
+        for link in links:
             if link.body in angles:  # the light link of a screw slides, but does not turn
                 still = {body: angle for body, angle in angles.items() if body != link.body}
-                found[slide_link] = frame @ forward(mobility, main, still)[link.body] @ back
+                found[link.slide_link] = frame @ forward(mobility, main, still)[link.body] @ back
         return found
 
     return motions

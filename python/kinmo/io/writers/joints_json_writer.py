@@ -5,12 +5,15 @@ Everything is in the frame and the length unit of the shape's file. Angles are i
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from kinmo._core import __version__
 from kinmo.core.errors import InputError
 from kinmo.core.joint import joint_to_data
+from kinmo.core.links import links_of
+from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_digest import shape_digest
 from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
@@ -65,26 +68,39 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOpti
             "collision": options.collision,
             **({"package": options.package} if options.package else {}),
         },
-        "bodies": _bodies(shape, prediction),
+        "bodies": _bodies(shape, prediction, _robot_names(prediction.mobility)),
     }
     if correction is not None:
         document["correction"] = {
             "overrides": dict(correction.overrides),
             "notes": list(correction.notes),
-            "predicted": _bodies(shape, correction.predicted),
+            "predicted": _bodies(shape, correction.predicted, {}),
         }
     return document
 
 
-def _bodies(shape: Shape, prediction: ShapeEstimate) -> list[dict[str, Any]]:
-    return [_body(shape, prediction, index) for index in range(len(prediction.mobility.bodies))]
+def _robot_names(mobility: Mobility) -> dict[int, dict[str, str | None]]:
+    """Names of the link and the joint of each body in exported robots, by index of the body."""
+    names: dict[int, dict[str, str | None]] = {}
+    for link in links_of(mobility):
+        names |= {body: {"link": link.name, "joint_name": None} for body in link.bodies}
+        if link.body is not None:
+            names[link.body]["joint_name"] = link.joint_name
+            if link.slide_link:
+                names[link.body] |= {"slide_link": link.slide_link, "slide_joint_name": link.slide_joint_name}
+    return names
 
 
-def _body(shape: Shape, prediction: ShapeEstimate, index: int) -> dict[str, Any]:
+def _bodies(shape: Shape, prediction: ShapeEstimate, names: Mapping[int, Mapping[str, str | None]]) -> list[dict[str, Any]]:
+    return [_body(shape, prediction, index, names.get(index, {})) for index in range(len(prediction.mobility.bodies))]
+
+
+def _body(shape: Shape, prediction: ShapeEstimate, index: int, names: Mapping[str, str | None]) -> dict[str, Any]:
     body = prediction.mobility.bodies[index]
     return {
         "id": body.id,
         "name": body.name,
+        **names,
         "parent": body.parent,
         "parts": [{"id": shape.parts[leaf].id, "name": shape.parts[leaf].name} for leaf in body.leaves],
         "is_junk": prediction.mobility.is_junk(index),
