@@ -57,6 +57,15 @@ def test_bodies_of_one_name_have_different_keys(prediction: kinmo.Prediction) ->
     assert [each.key for each in scene.bodies] == ["base", "#1", "#2", "front"]
 
 
+def test_unnamed_bodies_are_shown_by_their_number_after_others_are_gone(prediction: kinmo.Prediction) -> None:
+    first, door, knob, front = prediction.mobility.bodies
+    bodies = (first, replace(front, id=7, name=""), replace(door, id=9, name=""), replace(knob, name="knob", parent=2))
+    estimate = replace(prediction.estimate, mobility=replace(prediction.mobility, bodies=bodies))
+    unnamed = replace(prediction, estimate=estimate)
+    assert [each.name for each in scene_of(unnamed).bodies][:3] == ["base", "#7", "#9"]
+    assert {"body_7", "body_9"} <= {link.name for link in unnamed.links}
+
+
 @pytest.mark.parametrize("up", [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
 def test_poses_agree_with_those_of_the_prediction(up: tuple[float, float, float], prediction: kinmo.Prediction) -> None:
     prediction = replace(prediction, shape=replace(prediction.shape, up=up, front=None))
