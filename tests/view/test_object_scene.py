@@ -66,6 +66,14 @@ def test_unnamed_bodies_are_shown_by_their_number_after_others_are_gone(predicti
     assert {"body_7", "body_9"} <= {link.name for link in unnamed.links}
 
 
+@pytest.mark.parametrize("front", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), None])
+def test_the_front_is_where_parts_open_to(front: tuple[float, float, float] | None, prediction: kinmo.Prediction) -> None:
+    shape = replace(prediction.shape, front=front)
+    outwards = prediction.with_overrides({"bodies": {"door": {"alternative": 2, "flip": True, "parts": ["door", "knob"]}}})
+    assert scene_of(replace(outwards, shape=shape)).front == pytest.approx([0.0, 0.0, 1.0])
+    assert scene_of(shape).front == pytest.approx(np.array(front or (0.0, 0.0, 1.0))), "without joints, that of the shape"
+
+
 @pytest.mark.parametrize("up", [(0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
 def test_poses_agree_with_those_of_the_prediction(up: tuple[float, float, float], prediction: kinmo.Prediction) -> None:
     prediction = replace(prediction, shape=replace(prediction.shape, up=up, front=None))

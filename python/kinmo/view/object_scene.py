@@ -29,6 +29,10 @@ from kinmo.view.surface_colors import has_varied_looks
 
 OVERHANG = 0.07
 """Length of an axis beyond its body, in diagonals of the object."""
+FIRST_SHARE = 0.1
+"""Share of their ranges by which joints open to tell where parts open to."""
+MIN_AGREEMENT = 0.7
+"""Least share of the ways of all parts that lead to the side where they open to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,8 +112,25 @@ class ObjectScene:
 
     @property
     def front(self) -> Vector:
-        """Unit vector [3] towards the viewer, in the frame of the scene."""
+        """Unit vector [3] towards the viewer, in the frame of the scene: where the parts open to, or else the shape's front."""
+        side = self._opening_side
+        if side is not None:
+            return side
         return np.asarray(self.rotation @ y_up_rotation(np.asarray(self.shape.up, float), self._known_front)[2])
+
+    @cached_property
+    def _opening_side(self) -> Vector | None:
+        """Unit vector [3] along x or z, against which few parts open. None if there is none."""
+        poses = self.poses(self.opened(FIRST_SHARE))
+        ways = np.zeros((0, 3))
+        for index, body in enumerate(self.bodies):
+            if body.joint is not None and body.joint.is_limited and body.parent is not None and body.leaves:
+                center = np.append(np.mean(bounds_of(self.meshes[leaf] for leaf in body.leaves), axis=0), 1.0)
+                ways = np.concatenate([ways, [((poses[index] - poses[body.parent]) @ center)[:3]]])
+        total = float(np.linalg.norm(ways, axis=1).sum())
+        sides = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+        shares = sides @ ways.sum(axis=0)
+        return sides[np.argmax(shares)] if total > 0.0 and shares.max() >= MIN_AGREEMENT * total else None
 
     @property
     def _known_front(self) -> Vector | None:
