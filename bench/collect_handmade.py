@@ -154,7 +154,7 @@ def _wrapper(source: Source, entry: Entry, inner: Path) -> bytes:
 
 
 def _urdf_object(robot: RobotFile, entry: Entry, facts: Mapping[str, str]) -> UrdfObject:
-    """What an entry takes of a robot, without links that hold nothing."""
+    """The parts of a robot that an entry takes, without links that hold nothing."""
     above, poses = robot.joint_above, link_poses(robot)
     top = entry.link or robot.links[0]
     taken: list[str] = []

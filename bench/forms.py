@@ -158,7 +158,7 @@ def score_form(truth: Shape, form: str, predictor: AnyPredictor, folder: Path, s
 
 
 def _owners(shape: Shape, mobility: Mobility) -> NDArray[np.int64]:
-    """For every leaf the rigid body that it belongs to, or -1."""
+    """The rigid body of every leaf, or -1."""
     carriers = rigid_carriers(mobility)
     owner = {leaf: carriers[index] for index, body in enumerate(mobility.bodies) for leaf in body.leaves}
     return np.array([owner.get(leaf, -1) for leaf in shape.leaves], np.int64)

@@ -1,4 +1,4 @@
-"""How many joints stay the same when a file changes in ways that must not matter.
+"""Share of joints that stay the same when a file changes in ways that must not matter.
 
 Every GLB file of a folder is predicted as it is, and again
 

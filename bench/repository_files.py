@@ -96,7 +96,7 @@ def _git(place: Path, *arguments: str, given: bytes = b"") -> subprocess.Complet
 
 
 def _output(place: Path, *arguments: str, given: bytes = b"") -> bytes:
-    """What a command of git prints. Raises InputError if it fails."""
+    """The output of a command of git. Raises InputError if it fails."""
     done = _git(place, *arguments, given=given)
     if done.returncode:
         raise InputError(place, f"git {arguments[0]} failed: {done.stderr.decode('utf-8', 'replace').strip()}")

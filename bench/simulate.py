@@ -1,4 +1,4 @@
-"""How many exported objects work in simulators: they load, stay at rest, move, and agree with kinmo's kinematics.
+"""Share of exported objects that work in simulators: they load, stay at rest, move, and agree with kinmo's kinematics.
 
 `kinmo check` makes the tests (docs/background/metrics.md, "Simulators"). Objects are exported with the predicted joints, and
 by --true with the annotated ones too: the upper bound.

@@ -165,7 +165,7 @@ def factor_alone(folder: Path) -> Textured:
 
 
 def texture_transform(folder: Path) -> Textured:
-    """As Khronos defines it: uv is scaled, rotated and moved, with v down."""
+    """Transform by the definition of Khronos: uv is scaled, rotated and moved, with v down."""
     uvs, data, angle = {part: random_uvs(part) for part in PARTS}, encoded("PNG"), 0.7
     gltf = _Gltf(uvs)
     gltf.embed(data)

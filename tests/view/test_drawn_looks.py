@@ -21,7 +21,7 @@ CORNERS = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0,
 FACES = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 UVS = (0.5 * CORNERS[:, :2] + 0.5)[FACES]
 BRIGHTNESS = AMBIENT - KEY * KEY_LIGHT[2]
-"""Of a surface that faces the camera."""
+"""Brightness of a surface that faces the camera."""
 QUARTERS = np.array([[[200, 0, 0], [0, 200, 0]], [[0, 0, 200], [200, 200, 0]]], np.uint8)
 """Red and green above blue and yellow."""
 

@@ -1,4 +1,4 @@
-"""What a camera sees, against the geometry of spheres and against the renderer of scans."""
+"""Surfaces that a camera sees, against the geometry of spheres and against the renderer of scans."""
 
 from __future__ import annotations
 

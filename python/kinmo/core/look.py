@@ -1,4 +1,4 @@
-"""How the surface of a mesh looks: materials with images, texture coordinates, colours and normals.
+"""Looks of surfaces: materials with images, texture coordinates, colours and normals.
 
 A look belongs to the faces of a mesh, so that it survives whatever joins, splits or reorders them. Colours are the numbers of
 the file: no colour space is converted.

@@ -142,7 +142,7 @@ class _LeafBoxes:
 
     @classmethod
     def of(cls, minimum: tuple[F64, F64, F64], aligned: tuple[F64, F64, F64]) -> _LeafBoxes:
-        """From centres, axes and half extents of the minimum-volume and the aligned boxes."""
+        """The boxes from centres, axes and half extents of the minimum-volume and the aligned boxes."""
         _, axes, half_extents = minimum
         centers, frames, half = aligned
         sorted_axes = np.take_along_axis(axes, np.argsort(-half_extents, axis=1)[:, :, None], axis=1)

@@ -127,7 +127,7 @@ def _outward(shape: ShapeGeometry, points: F64, velocity: F64) -> float:
 
 
 def _growth(shape: ShapeGeometry, joint: Joint, points: F64, step: float) -> tuple[float, float]:
-    """How far a body reaches out of the object's box to the sides, and how far above or below it, after a small motion."""
+    """Lengths by which a body reaches out of the object's box to the sides, and above or below it, after a small motion."""
     pose = joint_motion(joint, joint.rest + step)
     placed = (points @ pose[:3, :3].T + pose[:3, 3]) @ shape.frame.T
     over = np.maximum(np.maximum(shape.extents[0] - placed, placed - shape.extents[1]), 0.0)

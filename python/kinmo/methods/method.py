@@ -56,7 +56,7 @@ class Method(ABC):
 
     @property
     def networks(self) -> str:
-        """Where its networks come from, in words."""
+        """Source of its networks, in words."""
         return "those that come with kinmo" if self.models.path.is_relative_to(SHIPPED) else str(self.models.path)
 
     @cached_property

@@ -44,7 +44,7 @@ TRAINERS: dict[str, tuple[str, Trainer]] = {
 
 @dataclass(frozen=True)
 class Continuation:
-    """How a model continues from trained weights.
+    """Continued training of a model from trained weights.
 
     Attributes:
         kind: Kind of the weights, which the model's trainer takes as `initial`.

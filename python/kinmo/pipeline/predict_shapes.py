@@ -277,7 +277,7 @@ def _summary(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str
 
 
 def _guess_lines(documents: Sequence[dict[str, Any]]) -> list[str]:
-    """What was guessed about shapes: one line for all shapes with the same guesses."""
+    """Lines about guesses: one line for all shapes with the same guesses."""
     ids: dict[str, list[str]] = {}
     for document in documents:
         if document["guessed"]:

@@ -215,7 +215,7 @@ def main() -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Expected:
-    """What joints.json states: the name of the files, and the kinematics."""
+    """Facts in joints.json: the name of the files, and the kinematics."""
 
     name: str
     diagonal: float

@@ -129,7 +129,7 @@ class TrainMotion:
 
 @dataclass(frozen=True)
 class _Proposals:
-    """What the ranking networks learn from: forms of shapes, with proposals of a grouping network that is trained first."""
+    """Input of the ranking networks: forms of shapes, with proposals of a grouping network that is trained first."""
 
     forms: TrainingForms
     trainer: NetworkTrainer

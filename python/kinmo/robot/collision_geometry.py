@@ -12,13 +12,13 @@ from kinmo.robot.collision_shapes import CollisionShape, Surface
 from kinmo.robot.convex_decomposition import convex_shapes, hull_shape
 
 CollisionMode = Literal["convex", "hull", "mesh", "none"]
-"""How parts collide: as convex pieces, as the convex hull of each part, as their surfaces, or not at all."""
+"""A way in which parts collide: as convex pieces, as the convex hull of each part, as their surfaces, or not at all."""
 
 COLLISION_MODES: tuple[CollisionMode, ...] = get_args(CollisionMode)
 """All modes."""
 DEFAULT_MODE: CollisionMode = "convex"
 MESH_NOTE = "most simulators take the convex hull of each surface, so that links may overlap: use --collision convex for those"
-"""What a user of the mode "mesh" should know."""
+"""Note for users of the mode "mesh"."""
 
 
 def collision_shapes(

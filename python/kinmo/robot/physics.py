@@ -11,7 +11,7 @@ from kinmo.robot.inertia import DENSITY, joined
 from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind, RobotLink
 
 GRAVITY = 9.81
-"""In m/s2, along -z."""
+"""Acceleration in m/s2, along -z."""
 DECAY = 2.0
 """Rate at which free motion dies out at least, in 1/s. Simulators with explicit time steps bear no damping of light parts."""
 MAX_FALL = 0.5
@@ -44,7 +44,7 @@ class Physics:
 
 
 DEFAULT_PHYSICS = Physics()
-"""What a user gets who states nothing."""
+"""The physics for users who state nothing."""
 
 
 def damped(robot: Robot) -> Robot:

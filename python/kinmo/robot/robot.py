@@ -75,7 +75,7 @@ class Inertial:
 
 @dataclass(frozen=True, eq=False)
 class Visual:
-    """What a link looks like.
+    """A part of a link, as it looks.
 
     Attributes:
         name: unique name of the part, an identifier.
@@ -90,7 +90,7 @@ class Visual:
 
 @dataclass(frozen=True, eq=False)
 class Collision:
-    """What a link collides with.
+    """A shape that a link collides with.
 
     Attributes:
         name: unique name, the name of the part with a number.

@@ -53,7 +53,7 @@ class Corrections:
         return cls(prediction, folder, {} if made is None else copy.deepcopy(dict(made.overrides)))
 
     def entry(self, key: str) -> dict[str, Any]:
-        """What the corrections say about a body, by any reference to it. Empty if nothing."""
+        """The corrections of a body, by any reference to it. Empty if nothing."""
         name = self._name(key)
         return dict(self.table.get("bodies", {}).get(name, {}))
 

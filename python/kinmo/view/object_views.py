@@ -15,7 +15,7 @@ from kinmo.view.opened_item import open_items, open_one
 from kinmo.view.static_page import write_static_page
 
 HOST, PORT = "127.0.0.1", 8080
-"""Where the page is. Other machines cannot see it."""
+"""Address of the page. Other machines cannot see it."""
 
 
 @dataclass(frozen=True)

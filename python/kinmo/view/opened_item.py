@@ -1,4 +1,4 @@
-"""What a person wants to look at: results of kinmo predict, robot files, and other 3D files."""
+"""Things that a person may look at: results of kinmo predict, robot files, and other 3D files."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ SWING = 0.5
 
 @dataclass(frozen=True)
 class PreviewStyle:
-    """What pictures look like.
+    """Style of pictures.
 
     Attributes:
         size: height of each picture in pixels.

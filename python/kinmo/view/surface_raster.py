@@ -26,7 +26,7 @@ _FACE = np.array([[0, 1, 2]], np.uint32)
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
-    """What is seen at every sample of a picture.
+    """The surfaces that are seen at every sample of a picture.
 
     Attributes:
         depths: [height, width] depths in radii of the object. Infinite where nothing is seen.

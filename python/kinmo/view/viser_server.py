@@ -25,7 +25,7 @@ from kinmo.view.scene_building import scene_of
 from kinmo.view.smooth_surface import with_sharp_creases
 
 HOST, PORT = "127.0.0.1", 8080
-"""Where the page is. Other machines cannot see it."""
+"""Address of the page. Other machines cannot see it."""
 
 
 class ObjectServer:

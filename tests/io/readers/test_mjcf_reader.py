@@ -97,7 +97,7 @@ def test_joints_are_the_annotation(tmp_path: Path) -> None:
 
 
 def pose_of(tmp_path: Path, attributes: str, compiler: str = "") -> np.ndarray:
-    """Where a body with an orientation puts the point (1, 2, 3)."""
+    """Place where a body with an orientation puts the point (1, 2, 3)."""
     text = f"""<mujoco>{compiler}<worldbody><body pos="10 0 0" {attributes}><geom type="mesh" mesh="m"/></body></worldbody>
         <asset><mesh name="m" vertex="1 2 3 2 2 3 1 3 3 1 2 4" face="0 1 2 0 1 3"/></asset></mujoco>"""
     (tmp_path / "a.xml").write_text(text)

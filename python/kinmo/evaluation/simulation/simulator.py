@@ -31,7 +31,7 @@ class SimulatedJoint:
 
 @dataclass(frozen=True, eq=False)
 class RestRecord:
-    """What an object did by itself, with gravity, all its joints free, and its base fixed.
+    """The motion of an object by itself, with gravity, all its joints free, and its base fixed.
 
     Attributes:
         values: [J] joint values at the end.

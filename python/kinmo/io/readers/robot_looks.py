@@ -10,7 +10,7 @@ from kinmo.core.look import NO_MATERIAL, Image, Look, Material
 from kinmo.core.shape import Mesh
 
 INVISIBLE = "materials that are wholly transparent"
-"""What readers report of parts that would not be seen at all. Such parts have no look."""
+"""Lines about parts that would not be seen at all. Such parts have no look."""
 SAME_COLOR = 0.01
 """Largest difference of colours that count as one, from 0 to 1."""
 

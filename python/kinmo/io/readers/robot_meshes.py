@@ -61,7 +61,7 @@ def package_parts(name: str) -> tuple[str, str]:
 
 
 def missing_mesh(name: str, robot: Path, home: Path) -> str:
-    """What to say of a mesh that `mesh_path` does not find. The arguments are the same."""
+    """A message about a mesh that `mesh_path` does not find. The arguments are the same."""
     package, _ = package_parts(name)
     if not package:
         return "expected a mesh file, found none"

@@ -124,7 +124,7 @@ def innermost_owners(bodies: Sequence[Group], count: int, areas: F64) -> list[Gr
 
 
 def _parents(proposals: Sequence[Group]) -> list[int | None]:
-    """For every chosen proposal the smallest other one that it lies in, counted from 1; None if there is none."""
+    """The smallest other proposal of every chosen one that it lies in, counted from 1; None if there is none."""
     found: list[int | None] = []
     for place, own in enumerate(proposals):
         around = [other for other, its in enumerate(proposals) if other != place and set(own) < set(its)]

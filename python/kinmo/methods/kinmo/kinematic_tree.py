@@ -97,7 +97,7 @@ def find_parents(
 
 @dataclass(frozen=True, eq=False)
 class ShapeLimits:
-    """What the limits of joints of one shape are predicted from.
+    """Input for the limits of joints of one shape.
 
     Attributes:
         shape: The shape.

@@ -1,4 +1,4 @@
-"""What carries a table top: legs, panels, sleds, crossed bars, hairpins or a column, with stretchers, shelves and braces."""
+"""Supports of table tops: legs, panels, sleds, crossed bars, hairpins or a column, with stretchers, shelves and braces."""
 
 from __future__ import annotations
 

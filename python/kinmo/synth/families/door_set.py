@@ -144,7 +144,7 @@ class _Leaf:
         return [*links, *self.extras(group, place, leaf)]
 
     def _roses(self, place: np.ndarray, faces: tuple[float, ...]) -> list[Mesh]:
-        """What a handle turns on: a plate through the leaf, a plate or disc on each face (and one for the key), or nothing."""
+        """Mounts of handles: a plate through the leaf, a plate or disc on each face (and one for the key), or nothing."""
         kind = self.draw.pick(["through", "plates", "discs", "none"], [3, 2, 4, 4])
         if kind == "through":
             return [box_between(place - [0.03, 0.09, 0.52 * self.thickness], place + [0.03, 0.09, 0.52 * self.thickness])]

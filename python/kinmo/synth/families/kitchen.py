@@ -56,7 +56,7 @@ def build(draw: Draw) -> SynthObject:
 
 
 class _Style:
-    """What all units of one kitchen share."""
+    """Facts that all units of one kitchen share."""
 
     def __init__(self, draw: Draw) -> None:
         self.board = draw.ratio(0.012, 0.03)

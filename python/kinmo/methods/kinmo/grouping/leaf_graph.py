@@ -89,7 +89,7 @@ def leaf_graph(shape: PreparedShape) -> LeafGraph | None:
 
 
 def rigid_carriers(mobility: Mobility) -> list[int]:
-    """For every body the moving body that it is fixed to, itself if it moves, or -1 if it rests."""
+    """The moving body that every body is fixed to, itself if it moves, or -1 if it rests."""
 
     def carrier(index: int) -> int:
         body = mobility.bodies[index]

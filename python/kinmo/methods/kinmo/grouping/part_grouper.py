@@ -20,7 +20,7 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Grouping:
-    """What the network says of a shape with L leaves and P pairs of touching leaves.
+    """Answers of the network about a shape with L leaves and P pairs of touching leaves.
 
     Attributes:
         pairs ([P, 2] int64): Positions of the leaves, each pair once.
