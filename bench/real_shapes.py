@@ -31,7 +31,7 @@ SEED = 11
 
 @dataclass(frozen=True)
 class Fold:
-    """The shapes that a fold of a cross-validation trains on (`Workspace.select`): all but those that it tests, and their copies.
+    """The shapes that a fold of a cross-validation trains on (`Workspace.select`): all but its test shapes and their copies.
 
     Shapes of the pipeline's own test split are trained on too. Their entries get an id of the training split.
 
