@@ -117,6 +117,11 @@ class Look:
             return replace(self, normals=None)
         return replace(self, normals=normals.astype(np.float32))
 
+    @property
+    def is_plain(self) -> bool:
+        """True without materials and colours of vertices."""
+        return self.colors is None and not (self.material != NO_MATERIAL).any()
+
     def used(self) -> list[tuple[Material | None, NDArray[np.bool_]]]:
         """The materials that faces have, in order, and True for each face [F] of that material."""
         numbers = np.unique(self.material).tolist()

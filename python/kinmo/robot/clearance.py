@@ -54,7 +54,7 @@ class _Piece:
         shape: the shape; None after it is dropped.
         points: [V, 3] its corners.
         normals: [K, 3] normals of its faces, without opposite ones.
-        whole: [W, 3] its corners before it was cut on the way of a joint.
+        whole: [W, 3] its corners before it was cut: at rest, and then before the ways of the joints.
         cuts: number of cuts.
     """
 

@@ -35,24 +35,24 @@ def convex_shapes(meshes: Sequence[Mesh], diagonal: float) -> tuple[list[list[Co
     shapes: list[list[CollisionShape]] = [[] for _ in meshes]
     concave: list[tuple[int, Mesh]] = []
 
-    def add(place: int, points: NDArray[np.float64]) -> None:
-        shapes[place].append(simplest_shape(hull_of(points, MIN_THICKNESS * diagonal)))
+    def hull(points: NDArray[np.float64]) -> Mesh:
+        return hull_of(points, MIN_THICKNESS * diagonal)
 
     for place, mesh in enumerate(meshes):
         pieces = pieces_of_faces(mesh, most=MAX_LOOSE_PIECES)
         for number in range(int(pieces.max()) + 1):
             piece = Mesh(mesh.vertices, mesh.faces[pieces == number]).compact
-            if concavity(piece, hull_of(piece.vertices, MIN_THICKNESS * diagonal)) <= CONVEX_TOLERANCE * diagonal:
-                add(place, piece.vertices)
+            whole = hull(piece.vertices)
+            if concavity(piece, whole) <= CONVEX_TOLERANCE * diagonal:
+                shapes[place].append(simplest_shape(whole))
             elif (boards := cut_at_faces(piece, diagonal)) is not None:
-                for points in boards:
-                    add(place, points)
+                shapes[place] += [simplest_shape(hull(points)) for points in boards]
             else:
                 concave.append((place, piece))
     found = divided([piece for _, piece in concave]) if is_installed() else [None] * len(concave)
     for (place, piece), parts in zip(concave, found, strict=True):
-        for points in bisected(piece, diagonal) if parts is None else parts:
-            add(place, points)
+        corners = bisected(piece, diagonal) if parts is None else parts
+        shapes[place] += [simplest_shape(hull(points)) for points in corners]
     return shapes, found.count(None)
 
 

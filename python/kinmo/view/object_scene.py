@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from kinmo.core.frames import gltf_rotation, y_up_rotation
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.kinematics import forward
-from kinmo.core.look import NO_MATERIAL
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.shape import Mesh, Shape, bounds_of
 from kinmo.core.vector import Vector
@@ -218,8 +217,7 @@ class ObjectScene:
     @cached_property
     def has_looks(self) -> bool:
         """True if the file gives a part a colour or a texture."""
-        looks = [mesh.look for mesh in self.meshes.values() if mesh.look is not None]
-        return any(look.colors is not None or (look.material != NO_MATERIAL).any() for look in looks)
+        return any(mesh.look is not None and not mesh.look.is_plain for mesh in self.meshes.values())
 
     @cached_property
     def has_varied_looks(self) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinmo.core.look import NO_MATERIAL, Image, Look, Material
+from kinmo.core.look import Image, Look, Material
 from kinmo.core.shape import Mesh
 
 INVISIBLE = "materials that are wholly transparent"
@@ -24,7 +24,7 @@ def plain_material(
 
 def has_own_look(mesh: Mesh) -> bool:
     """True if a mesh has materials or colours of vertices."""
-    return mesh.look is not None and (mesh.look.colors is not None or bool((mesh.look.material != NO_MATERIAL).any()))
+    return mesh.look is not None and not mesh.look.is_plain
 
 
 def with_material(mesh: Mesh, material: Material) -> Mesh:

@@ -98,12 +98,12 @@ class RobotMeshes:
         self._materials = materials
         self._meshes: dict[Path, Mesh | None] = {}
 
-    def read(self, path: Path, missing: str = "") -> Mesh | None:
+    def read(self, path: Path, missing: Callable[[], str] | None = None) -> Mesh | None:
         """The triangles of a mesh file in its own frame. None if it cannot be read, which is reported once.
 
         Args:
             path: the mesh file.
-            missing: what to report if there is no such file. Empty for the usual words.
+            missing: gives what to report if there is no such file. None for the usual words.
 
         Raises:
             InputError: the path leads out of `home`.
@@ -113,8 +113,8 @@ class RobotMeshes:
             self.files.append(file)
             self._meshes[file] = None
             try:
-                if missing and not is_file(file):
-                    raise InputError(file, missing)
+                if missing is not None and not is_file(file):
+                    raise InputError(file, missing())
                 self._meshes[file] = read_mesh(file, self._materials)
             except InputError as problem:
                 self._report(problem)

@@ -149,7 +149,7 @@ def _piece(path: Path, meshes: RobotMeshes, element: ET.Element, looks: UrdfMate
     mesh: Mesh | None
     if shape.tag == "mesh":
         file = shape.get("filename") or ""
-        mesh = meshes.read(mesh_path(file, path, meshes.home), missing_mesh(file, path, meshes.home))
+        mesh = meshes.read(mesh_path(file, path, meshes.home), lambda: missing_mesh(file, path, meshes.home))
         pose[:3, :3] *= read_numbers(path, shape.attrib, "scale", (1.0, 1.0, 1.0))
     elif shape.tag == "box":
         mesh = meshes.counted(solids.box(read_numbers(path, shape.attrib, "size", (1.0, 1.0, 1.0))))
