@@ -1,4 +1,4 @@
-"""Densities, and damping against gravity."""
+"""Densities, and damping and friction against gravity."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from articulated import shape_of_boxes
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.io.writers import ExportOptions, export
-from kinmo.robot.physics import DECAY, MAX_FALL, Physics
+from kinmo.robot.physics import DECAY, GRAVITY, HOLD, MAX_FALL, Physics
 from kinmo.robot.robot import Robot
 from kinmo.robot.robot_builder import build_robot
 
@@ -58,6 +58,39 @@ def test_motion_without_gravity_dies_out() -> None:
 def test_stated_damping_counts() -> None:
     (found,) = robot_with(HINGE, Physics(damping=0.7)).joints
     assert found.damping == 0.7
+
+
+def button_with(physics: Physics, upright: np.ndarray = Y) -> Robot:
+    """A case with a light button on it that is pressed along `upright`."""
+    boxes = [CARCASS, ((0.4, 1.0, 0.2), (0.5, 1.02, 0.3))]
+    press = Joint(JointKind.PRISMATIC, upright, np.zeros(3), -0.004, 0.0)
+    shape = shape_of_boxes(boxes, [Body(0, "case", (1,)), Body(1, "button", (2,), 0, press)])
+    return build_robot(shape, shape.mobility, physics=physics)
+
+
+def test_friction_holds_light_parts() -> None:
+    button = button_with(Physics())
+    weight = GRAVITY * button.links[1].inertial.mass
+    assert button.joints[0].friction == pytest.approx(HOLD * weight)
+    assert button_with(Physics(), X).joints[0].friction == 0.0, "a level slider needs none"
+
+
+def test_friction_does_not_hold_a_heavy_lid() -> None:
+    assert robot_with(HINGE, Physics()).joints[0].friction == 0.0
+
+
+def test_friction_holds_the_largest_moment_of_a_knob() -> None:
+    boxes = [CARCASS, ((0.4, 0.5, 0.5), (0.44, 0.54, 0.52))]
+    knob = Joint(JointKind.REVOLUTE, np.array([0.0, 0.0, 1.0]), np.array([0.4, 0.52, 0.5]), None, None)
+    shape = shape_of_boxes(boxes, [Body(0, "stove", (1,)), Body(1, "knob", (2,), 0, knob)])
+    robot = build_robot(shape, shape.mobility)
+    mass = robot.links[1].inertial.mass
+    assert robot.joints[0].friction == pytest.approx(HOLD * GRAVITY * mass * 0.02)
+
+
+def test_stated_friction_counts() -> None:
+    assert robot_with(HINGE, Physics(friction=0.3)).joints[0].friction == 0.3
+    assert button_with(Physics(friction=0.0)).joints[0].friction == 0.0
 
 
 def test_a_part_may_have_another_density() -> None:

@@ -1,4 +1,4 @@
-"""Physical constants of robots, and damping that keeps heavy parts from falling fast."""
+"""Physical constants of robots. By default, damping keeps heavy parts from falling fast, and friction holds light ones."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ DECAY = 2.0
 """Rate at which free motion dies out at least, in 1/s. Simulators with explicit time steps bear no damping of light parts."""
 MAX_FALL = 0.5
 """Speed that a part reaches at most when it falls by its weight, in m/s."""
+MAX_HELD = 2.0
+"""Largest force of weight at the rim of a part that dry friction holds, in N: that of knobs and buttons, but not of lids."""
+HOLD = 1.5
+"""Dry friction of joints that hold their part, in forces of its weight."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,8 @@ class Physics:
         density: density of parts in kg/m3.
         part_densities: other densities in kg/m3, by name of the part.
         damping: damping of all joints in N s/m or N m s/rad. None for the least damping that keeps parts from falling fast.
-        friction: dry friction of joints in N or N m.
+        friction: dry friction of all joints in N or N m. None for friction that holds light parts, such as buttons, against
+            their weight.
         effort: largest force of a motor in N or N m.
         velocity: largest speed in m/s or rad/s.
     """
@@ -34,7 +39,7 @@ class Physics:
     density: float = DENSITY
     part_densities: Mapping[str, float] = field(default_factory=dict)
     damping: float | None = None
-    friction: float = 0.0
+    friction: float | None = None
     effort: float = 100.0
     velocity: float = 10.0
 
@@ -47,25 +52,37 @@ DEFAULT_PHYSICS = Physics()
 """The physics for users who state nothing."""
 
 
-def damped(robot: Robot) -> Robot:
-    """The robot with the least damping at which no part falls faster than `MAX_FALL`, and free motion dies out."""
-    links = robot.links
-    joints = (
-        replace(joint, damping=_damping(joint, [links[index] for index in robot.links_below(joint.child)]))
-        for joint in robot.joints
-    )
+def with_resistance(robot: Robot, physics: Physics) -> Robot:
+    """The robot with the damping and the friction of the physics, or the default ones where it states none.
+
+    Default damping is the least at which no part falls faster than `MAX_FALL`, and free motion dies out. Default friction holds
+    parts whose weight is at most `MAX_HELD` at their rim.
+    """
+    joints = []
+    for joint in robot.joints:
+        moving = [robot.links[index] for index in robot.links_below(joint.child)]
+        damping, friction = _default_resistance(joint, moving)
+        joints.append(
+            replace(
+                joint,
+                damping=damping if physics.damping is None else physics.damping,
+                friction=friction if physics.friction is None else physics.friction,
+            )
+        )
     return replace(robot, joints=tuple(joints))
 
 
-def _damping(joint: RobotJoint, moving: Sequence[RobotLink]) -> float:
+def _default_resistance(joint: RobotJoint, moving: Sequence[RobotLink]) -> tuple[float, float]:
+    """Damping and friction of a joint by the links that it moves."""
     origin = moving[0].origin
     body = joined(link.inertial for link in moving)
     weight = GRAVITY * body.mass
     if joint.kind is RobotJointKind.PRISMATIC:
-        return max(DECAY * body.mass, weight * abs(float(joint.axis[2])) / MAX_FALL)
+        force = weight * abs(float(joint.axis[2]))
+        return max(DECAY * body.mass, force / MAX_FALL), HOLD * force if force <= MAX_HELD else 0.0
     arm = float(np.linalg.norm(np.cross(joint.axis, body.center - origin)))
     points = [visual.mesh.vertices for link in moving for visual in link.visuals]
     reach = max((float(np.linalg.norm(np.cross(joint.axis, each - origin), axis=1).max()) for each in points), default=0.0)
     moment = weight * arm * float(np.hypot(*joint.axis[:2]))  # the largest one while it turns
     inertia = float(joint.axis @ body.inertia @ joint.axis) + body.mass * arm**2
-    return max(DECAY * inertia, moment * reach / MAX_FALL)
+    return max(DECAY * inertia, moment * reach / MAX_FALL), HOLD * moment if moment <= MAX_HELD * reach else 0.0

@@ -18,7 +18,7 @@ from kinmo.core.vector import Vector
 from kinmo.robot.clearance import with_clearance
 from kinmo.robot.collision_geometry import CollisionMode, collision_shapes
 from kinmo.robot.inertia import inertial_of
-from kinmo.robot.physics import DEFAULT_PHYSICS, Physics, damped
+from kinmo.robot.physics import DEFAULT_PHYSICS, Physics, with_resistance
 from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind, RobotLink, Visual
 from kinmo.robot.safe_limits import stop_notes, with_safe_limits
 
@@ -70,9 +70,7 @@ def build_robot(
     title = unique_names([f"{shape.category}_{shape.id}"])[0]
     front = None if shape.front is None else np.asarray(shape.front, float)
     to_gltf = gltf_rotation(np.asarray(shape.up, float), front) @ rotation.T
-    robot = Robot(title, colliding, tuple(joints), diagonal, to_gltf, notes)
-    if physics.damping is None:
-        robot = damped(robot)
+    robot = with_resistance(Robot(title, colliding, tuple(joints), diagonal, to_gltf, notes), physics)
     if collision not in ("convex", "hull"):
         return robot
     safe = with_clearance(with_safe_limits(robot))
@@ -116,8 +114,7 @@ def _joint(
     physics: Physics,
 ) -> RobotJoint:
     low, high = limits or (None, None)
-    constants = physics.damping or 0.0, physics.friction, physics.effort, physics.velocity
-    return RobotJoint(name, kind, parent, child, axis, low, high, *constants)
+    return RobotJoint(name, kind, parent, child, axis, low, high, 0.0, 0.0, physics.effort, physics.velocity)
 
 
 def _with_collisions(

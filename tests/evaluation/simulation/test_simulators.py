@@ -15,6 +15,7 @@ from kinmo.evaluation.simulation.expected_kinematics import expected_kinematics
 from kinmo.evaluation.simulation.object_check import check_object
 from kinmo.evaluation.simulation.simulator import LoadError, Simulator
 from kinmo.io.writers import ExportOptions, export
+from kinmo.robot.physics import Physics
 
 BASE, DOOR = ((0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), ((0.0, 0.0, 0.6), (1.0, 1.0, 0.62))
 HINGE = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 0.61]), -1.5, 0.0)
@@ -92,3 +93,18 @@ def test_a_screw_agrees(tmp_path, load) -> None:
     kinematics = expected_kinematics(shape.mobility, np.array(shape.up), 1.0)
     check = check_object("", load(urdf_of(shape, tmp_path, "none")), kinematics, shape.diagonal)
     assert check.agrees, check.problems
+
+
+@pytest.mark.parametrize("friction", [0.0, None], ids=["without friction", "with friction"])
+def test_friction_holds_a_light_button(tmp_path, load, friction: float | None) -> None:
+    press = Joint(JointKind.PRISMATIC, np.array([0.0, 1.0, 0.0]), np.zeros(3), -0.004, 0.004)
+    boxes = [BASE, ((0.4, 1.01, 0.2), (0.5, 1.03, 0.3))]
+    shape = shape_of_boxes(boxes, [Body(0, "case", (1,)), Body(1, "button", (2,), 0, press)])
+    physics = Physics(friction=friction)
+    paths = export(shape, shape.mobility, tmp_path / "out", ["urdf", "mjcf"], ExportOptions(collision="none", physics=physics))
+    for path in paths.values() if "Mujoco" in load.__name__ else [paths["urdf"]]:
+        simulator = load(path)
+        sunk = -simulator.rest(0.5).values[0]
+        assert sunk > 0.003 if friction == 0.0 else abs(sunk) < 1e-4, path.name
+        low, high = simulator.drive(0, (-0.004, 0.004), 1.0)
+        assert low < -0.0039 and high > 0.0039, path.name

@@ -92,6 +92,7 @@ class MujocoSimulator:
                 wanted = STIFFNESS * (aims - data.qpos) - DAMPING * data.qvel
                 mujoco.mj_mulM(model, data, force, wanted)
                 data.qfrc_applied[:] = force + data.qfrc_bias - data.qfrc_passive
+                data.qfrc_applied[joint] += np.sign(target - start) * model.dof_frictionloss[joint]
                 mujoco.mj_step2(model, data)
                 low, high = min(low, float(data.qpos[joint])), max(high, float(data.qpos[joint]))
             start = target

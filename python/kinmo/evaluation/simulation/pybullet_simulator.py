@@ -22,7 +22,10 @@ SETTLE = 0.25
 
 
 class PybulletSimulator:
-    """An object in PyBullet, where all links collide with each other (see `Simulator`)."""
+    """An object in PyBullet, where all links collide with each other (see `Simulator`).
+
+    PyBullet reads the friction of joints but does not apply it. A motor that brakes with this force stands for it.
+    """
 
     def __init__(self, path: Path) -> None:
         self._client = pybullet.connect(pybullet.DIRECT)
@@ -39,6 +42,7 @@ class PybulletSimulator:
         infos = [pybullet.getJointInfo(self._body, index, self._client) for index in range(self._count)]
         self._moving = [info[0] for info in infos if info[2] in (pybullet.JOINT_REVOLUTE, pybullet.JOINT_PRISMATIC)]
         self._names = {info[0]: info[12].decode() for info in infos}
+        self._friction = {info[0]: float(info[7]) for info in infos}
         self.joints = tuple(
             SimulatedJoint(
                 info[1].decode(), info[2] == pybullet.JOINT_REVOLUTE, (info[8], info[9]) if info[8] < info[9] else None
@@ -60,7 +64,7 @@ class PybulletSimulator:
             value = 0.0 if values is None else float(values[place])
             pybullet.resetJointState(self._body, index, value, 0.0, physicsClientId=self._client)
             pybullet.setJointMotorControl2(
-                self._body, index, pybullet.VELOCITY_CONTROL, force=0.0, physicsClientId=self._client
+                self._body, index, pybullet.VELOCITY_CONTROL, force=self._friction[index], physicsClientId=self._client
             )
 
     def _values(self) -> Vector:

@@ -2,7 +2,7 @@
 
 Mesh files are in the frame of the robot. PyBullet, MuJoCo and ROS find them: MuJoCo takes the last part of their names only,
 and the folder from the element `<mujoco>`, which others ignore. It keeps the base a body, too: MuJoCo 2.3 fails where the
-world has many shapes, and the link keeps its name.
+world has many shapes, and the link keeps its name. MuJoCo's friction of joints creeps, unless its solver of slip follows.
 """
 
 from __future__ import annotations
@@ -29,6 +29,9 @@ from kinmo.io.writers.xml_files import numbers, write_xml
 from kinmo.robot.collision_shapes import Cylinder
 from kinmo.robot.robot import Collision, Inertial, Robot, RobotJoint, RobotLink, Visual
 
+NOSLIP_ITERATIONS = 3
+"""Steps of MuJoCo's solver of slip: joints with friction stay at rest."""
+
 MeshPath = Callable[[Visual | Collision], str]
 """The mesh file of a part or collision shape, relative to the URDF."""
 
@@ -46,6 +49,8 @@ def write_urdf(exported: ExportedObject, folder: Path) -> Path:
         exported.note("urdf: the colours of vertices are in the OBJ files alone; the URDF has their mean for each part")
     extension = ET.Element("mujoco")
     ET.SubElement(extension, "compiler", meshdir=MESHES, strippath="true", fusestatic="false")
+    if any(joint.friction for joint in robot.joints):
+        ET.SubElement(extension, "option", noslip_iterations=str(NOSLIP_ITERATIONS))
     root.insert(0, extension)
     return write_xml(root, folder / f"{exported.options.name}.urdf")
 
