@@ -76,12 +76,16 @@ def test_a_transparent_picture_has_a_shadow_below_alone(scene: ObjectScene) -> N
     assert faint[len(alpha) // 2 :].sum() > 5 * faint[: len(alpha) // 3].sum()
 
 
-def test_frames_open_and_close_in_squares(scene: ObjectScene) -> None:
-    style = PreviewStyle(48, samples=1)
-    frames = [np.asarray(frame, int) for frame in Preview(scene, style).frames(4)]
-    assert all(frame.shape == (48, 48, 3) for frame in frames)
+def test_frames_open_and_close_without_empty_margins(scene: ObjectScene) -> None:
+    preview = Preview(scene, PreviewStyle(48, samples=1))
+    drawn = list(preview.frames(4))
+    assert all(frame.size == (48, 48) for frame in drawn)
+    assert all(not np.asarray(frame)[[0, -1], :, 3].any() for frame in drawn), "nothing is cut off"
+    frames = np.array([np.asarray(frame, int) for frame in preview.trimmed(drawn)])
     assert np.abs(frames[0] - frames[2]).sum() > 0
-    assert all((frame[[0, -1]] == 255).all() for frame in frames), "nothing is cut off"
+    seen = (frames != 255).any(axis=(0, 3))
+    margins = [np.flatnonzero(seen.any(axis=axis)) for axis in (0, 1)]
+    assert all(places[0] < 3 and places[-1] > length - 4 for places, length in zip(margins, seen.shape[::-1], strict=True))
 
 
 def colors_in(shape: Shape, colors: PreviewColors) -> set[tuple[float, ...]]:

@@ -88,10 +88,11 @@ class RenderPreview:
     def _animation(self, scene: ObjectScene, observer: Observer) -> bytes:
         style = PreviewStyle(self.size, self.has_axes, samples=GIF_SAMPLES, colors=self.colors)
         preview = Preview(scene, style, observer.note)
-        frames = []
+        drawn = []
         for done, frame in enumerate(preview.frames(FRAMES), 1):
-            frames.append(frame)
+            drawn.append(frame)
             observer.progress("drawing", done, FRAMES)
+        frames = preview.trimmed(drawn)
         # one palette for all frames, so that colours do not flicker
         palette = frames[len(frames) // 2].quantize(255)
         first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)

@@ -101,7 +101,10 @@ class Preview:
         return self._on_background(whole)
 
     def frames(self, count: int) -> Iterator[Image.Image]:
-        """Square pictures in which all joints open and close once while the viewer swings from side to side."""
+        """Square pictures in which all joints open and close once while the viewer swings from side to side.
+
+        They have no background yet, and the margins that all of them need (see `trimmed`).
+        """
         shares = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
         corners = self._corners([self.scene.opened(share) for share in (0.0, 0.5, 1.0)])
         whole = self._camera_at(corners, SIDE - SWING), self._camera_at(corners, SIDE), self._camera_at(corners, SIDE + SWING)
@@ -110,7 +113,12 @@ class Preview:
             camera = self._camera_at(corners, SIDE + SWING * math.sin(2.0 * math.pi * place / count))
             center = np.asarray(camera.center - 0.5 * camera.size) * focal / camera.focal + 0.5 * camera.size
             steady = Camera(camera.rotation, camera.middle, camera.radius, focal, center, camera.size)
-            yield self._on_background(self._draw(self.scene.opened(float(share)), steady))
+            yield self._draw(self.scene.opened(float(share)), steady)
+
+    def trimmed(self, frames: Sequence[Image.Image]) -> list[Image.Image]:
+        """Frames on the background, without the margins that are empty in all of them."""
+        low, high = _content(frames)
+        return [self._on_background(frame.crop((*low, *high))) for frame in frames]
 
     @property
     def _diagonal(self) -> float:
