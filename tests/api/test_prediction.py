@@ -203,7 +203,7 @@ def test_save_writes_joints_json_beside_other_files(prediction: kinmo.Prediction
 @pytest.mark.parametrize("method", METHODS)
 def test_the_api_predicts_what_the_command_line_predicts(method: str, trained: Trained, tmp_path: Path) -> None:
     source = sorted((trained.shapes / "partnet").iterdir())[0]
-    PredictShapes(source, tmp_path / "out", trained.workspace, method, device="cpu").run(Recorder())
+    PredictShapes([source], tmp_path / "out", trained.workspace, method, device="cpu").run(Recorder())
     prediction = kinmo.Predictor(trained.workspace.path, method=method, device="cpu").predict(kinmo.load(source))
     written = json.loads((tmp_path / "out" / source.name / "joints.json").read_text(encoding="utf-8"))
     saved = json.loads(prediction.save(tmp_path / "api").read_text(encoding="utf-8"))

@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
@@ -43,6 +43,16 @@ def test_the_path_of_the_result_is_the_last_line_of_stdout(capsys: pytest.Captur
     out, err = capsys.readouterr()
     assert out == "one cup\ncup\n"
     assert err == "stirring: 1/1 tea\npoured\n"
+
+
+def test_no_path_is_printed_if_nothing_was_made(capsys: pytest.CaptureFixture[str]) -> None:
+    class Empty(Sample):
+        def run(self, observer: Observer) -> Outcome:
+            return replace(super().run(observer), path=None)
+
+    with pytest.raises(Exit):
+        execute(CommonOptions(), Empty(failed=1))
+    assert capsys.readouterr().out == "one cup\n"
 
 
 def test_quiet_prints_the_path_alone(capsys: pytest.CaptureFixture[str]) -> None:

@@ -53,7 +53,7 @@ def test_the_joints_and_the_path_are_printed(folder: Path, run: Run) -> None:
     assert out.splitlines() == [
         "cabinet (category unknown)",
         "  door: hinge, 0 to 110°, corrected by hand",
-        "  drawer: slider, 0 to 0.3, corrected by hand",
+        "  drawer: slider, 0 to 0.3 m, corrected by hand",
         "1 result, 2 joints, 1 corrected, 0 skipped",
         str(folder),
     ]

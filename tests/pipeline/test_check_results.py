@@ -70,6 +70,13 @@ def test_a_good_object_works_in_every_simulator(good: Path) -> None:
     ]
 
 
+def test_a_result_without_collision_geometry_is_named(result: Path) -> None:
+    ExportResults(result, ("urdf",), collision="none").run(Recorder())
+    recorder = Recorder()
+    CheckResults(result, ("mujoco",)).run(recorder)
+    assert recorder.notes[-1] == "cabinet: without collision geometry (--collision none), so contacts were not tested"
+
+
 def test_a_missing_mesh_is_named(result: Path) -> None:
     (result / "meshes" / "door.obj").unlink()
     found = problems(result, "mujoco", "pybullet")

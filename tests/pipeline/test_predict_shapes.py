@@ -70,12 +70,13 @@ def size_of_robot(urdf: Path) -> float:
 def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PredictShapes:
     """Prediction of the folder `shapes` by the method without joints."""
     monkeypatch.setattr(predict_shapes, "load_trained_or_shipped", lambda *_: RigidMethod())
-    return PredictShapes(tmp_path / "shapes", tmp_path / "out", Workspace(tmp_path / "workspace"), "none", device="cpu")
+    return PredictShapes([tmp_path / "shapes"], tmp_path / "out", Workspace(tmp_path / "workspace"), "none", device="cpu")
 
 
 def test_names_too_long_for_a_folder_are_cut_and_stay_unique(stage: PredictShapes) -> None:
-    deep = stage.source / (SHELF * 80) / (SHELF * 80) / (SHELF * 80)
-    for place in (deep / DOOR / "scene", deep / f"{DOOR}{DOOR}" / "scene", stage.source / (DOOR * 84), stage.source / "door"):
+    (source,) = stage.sources
+    deep = source / (SHELF * 80) / (SHELF * 80) / (SHELF * 80)
+    for place in (deep / DOOR / "scene", deep / f"{DOOR}{DOOR}" / "scene", source / (DOOR * 84), source / "door"):
         write_partnet(place)
     outcome = stage.run(Recorder())
     assert outcome.data["skipped"] == []
@@ -87,8 +88,8 @@ def test_names_too_long_for_a_folder_are_cut_and_stay_unique(stage: PredictShape
 
 
 def test_folders_that_cannot_be_searched_are_named(stage: PredictShapes) -> None:
-    write_partnet(stage.source / "door")
-    (stage.source / Path(*["deep"] * 70)).mkdir(parents=True)
+    write_partnet(stage.sources[0] / "door")
+    (stage.sources[0] / Path(*["deep"] * 70)).mkdir(parents=True)
     recorder = Recorder()
     outcome = stage.run(recorder)
     assert outcome.failed == len(outcome.data["skipped"]) == 1
@@ -97,7 +98,7 @@ def test_folders_that_cannot_be_searched_are_named(stage: PredictShapes) -> None
 
 @pytest.mark.parametrize("name", ["d" * MAX_NAME_BYTES, DOOR * (MAX_NAME_BYTES // 3), "Tür"])
 def test_names_that_fit_stay_as_they_are(stage: PredictShapes, name: str) -> None:
-    write_partnet(stage.source / name)
+    write_partnet(stage.sources[0] / name)
     assert [Path(shape["folder"]).name for shape in stage.run(Recorder()).data["shapes"]] == [name]
 
 
@@ -109,12 +110,12 @@ def test_a_result_that_cannot_be_written_stops_no_other_shape(stage: PredictShap
 
     monkeypatch.setitem(WRITERS, "urdf", full)
     for name in "abc":
-        write_partnet(stage.source / name)
+        write_partnet(stage.sources[0] / name)
     recorder = Recorder()
     outcome = stage.run(recorder)
     assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
     (line,) = outcome.data["skipped"]
-    assert line.startswith(f"{stage.source / 'b'}: ") and "b.urdf: No space left on device" in line
+    assert line.startswith(f"{stage.sources[0] / 'b'}: ") and "b.urdf: No space left on device" in line
     assert recorder.notes == ["networks: none", f"skipped: {line}"] and outcome.failed == 1
     assert not (stage.out / "b").exists()
 
@@ -127,30 +128,30 @@ def test_an_unforeseen_error_stops_no_other_shape(stage: PredictShapes, monkeypa
 
     monkeypatch.setattr(predict_shapes, "prepare_shape", unforeseen)
     for name in "abc":
-        write_partnet(stage.source / name)
+        write_partnet(stage.sources[0] / name)
     outcome = stage.run(Recorder())
     assert [shape["id"] for shape in outcome.data["shapes"]] == ["a", "c"]
     (line,) = outcome.data["skipped"]
-    assert line.startswith(f"{stage.source / 'b'}: cannot be predicted: RuntimeError at test_predict_shapes.py:")
+    assert line.startswith(f"{stage.sources[0] / 'b'}: cannot be predicted: RuntimeError at test_predict_shapes.py:")
     assert line.endswith(": no such axis") and outcome.failed == 1
 
 
 def test_the_prediction_for_another_shape_is_not_replaced(stage: PredictShapes) -> None:
     for place in ("a", "b"):
-        write_partnet(stage.source / place / "cabinet")
-    assert replace(stage, source=stage.source / "a").run(Recorder()).failed == 0
-    outcome = replace(stage, source=stage.source / "b").run(Recorder())
+        write_partnet(stage.sources[0] / place / "cabinet")
+    assert replace(stage, sources=[stage.sources[0] / "a"]).run(Recorder()).failed == 0
+    outcome = replace(stage, sources=[stage.sources[0] / "b"]).run(Recorder())
     (line,) = outcome.data["skipped"]
     assert line == (
-        f"{stage.out / 'cabinet'}: exists, with the prediction for {stage.source / 'a' / 'cabinet'}: "
+        f"{stage.out / 'cabinet'}: exists, with the prediction for {stage.sources[0] / 'a' / 'cabinet'}: "
         "name another folder by --out"
     )
-    assert source_of(stage.out / "cabinet") == str(stage.source / "a" / "cabinet")
+    assert source_of(stage.out / "cabinet") == str(stage.sources[0] / "a" / "cabinet")
 
 
 @pytest.mark.parametrize("damaged", ["door.urdf", "joints.json", "meshes", "half of joints.json"])
 def test_an_incomplete_result_is_made_again(stage: PredictShapes, damaged: str) -> None:
-    write_partnet(stage.source / "door")
+    write_partnet(stage.sources[0] / "door")
     stage.run(Recorder())
     folder = stage.out / "door"
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
@@ -166,7 +167,7 @@ def test_an_incomplete_result_is_made_again(stage: PredictShapes, damaged: str) 
 
 
 def test_edits_of_a_user_stay(stage: PredictShapes) -> None:
-    write_partnet(stage.source / "door")
+    write_partnet(stage.sources[0] / "door")
     stage.run(Recorder())
     urdf = stage.out / "door" / "door.urdf"
     urdf.write_text(f"{urdf.read_text()}<!-- damping is to be measured -->", encoding="utf-8")
@@ -175,21 +176,21 @@ def test_edits_of_a_user_stay(stage: PredictShapes) -> None:
 
 
 def test_an_annotated_shape_keeps_an_id_that_several_shapes_have(stage: PredictShapes) -> None:
-    write_partnet_mobility(stage.source / "dataset" / "7")
-    write_partnet(stage.source / "data_v0" / "7")
+    write_partnet_mobility(stage.sources[0] / "dataset" / "7")
+    write_partnet(stage.sources[0] / "data_v0" / "7")
     stage.run(Recorder())
     names = {path.name for path in stage.out.iterdir() if path.is_dir()}
     assert names == {"7", "data_v0__7"}
-    assert source_of(stage.out / "7") == str(stage.source / "dataset" / "7")
-    write_partnet_mobility(stage.source / "again" / "7")
+    assert source_of(stage.out / "7") == str(stage.sources[0] / "dataset" / "7")
+    write_partnet_mobility(stage.sources[0] / "again" / "7")
     found = replace(stage, out=stage.out.with_name("other")).run(Recorder())
     assert {Path(shape["folder"]).name for shape in found.data["shapes"]} == {"again__7", "data_v0__7", "dataset__7"}
 
 
 def test_a_folder_with_scans_alone_is_refused(stage: PredictShapes) -> None:
-    stage.source.mkdir()
+    stage.sources[0].mkdir()
     for name in ("a.npz", "b.ply", "notes.txt"):
-        (stage.source / name).touch()
+        (stage.sources[0] / name).touch()
     for call in (stage.plan, lambda: stage.run(Recorder())):
         with pytest.raises(
             InputError, match=r"at least one shape at or below it .*\. Found 2 scans: for scans, add --category"
@@ -198,7 +199,7 @@ def test_a_folder_with_scans_alone_is_refused(stage: PredictShapes) -> None:
 
 
 def test_edits_of_a_user_stay_only_while_the_shape_and_the_settings_do(stage: PredictShapes) -> None:
-    write_partnet(stage.source / "door")
+    write_partnet(stage.sources[0] / "door")
     stage.run(Recorder())
     urdf = stage.out / "door" / "door.urdf"
     before = urdf.read_text(encoding="utf-8")
@@ -213,7 +214,7 @@ def test_edits_of_a_user_stay_only_while_the_shape_and_the_settings_do(stage: Pr
 
 
 def test_removed_files_of_other_formats_are_named(stage: PredictShapes) -> None:
-    write_partnet(stage.source / "door")
+    write_partnet(stage.sources[0] / "door")
     replace(stage, formats=("urdf", "mjcf", "glb")).run(Recorder())
     fewer, again = Recorder(), Recorder()
     replace(stage, formats=("urdf",)).run(fewer)
@@ -226,7 +227,7 @@ def test_removed_files_of_other_formats_are_named(stage: PredictShapes) -> None:
 
 
 def test_a_result_without_its_cache_is_recognised_and_replaced(stage: PredictShapes) -> None:
-    write_partnet(stage.source / "door")
+    write_partnet(stage.sources[0] / "door")
     stage.run(Recorder())
     (stage.out / ".kinmo.jsonl").unlink()
     assert stage.plan().steps
@@ -235,7 +236,7 @@ def test_a_result_without_its_cache_is_recognised_and_replaced(stage: PredictSha
 
 
 def test_an_empty_folder_is_refused_in_a_dry_run_too(stage: PredictShapes) -> None:
-    stage.source.mkdir()
+    stage.sources[0].mkdir()
     for call in (stage.plan, lambda: stage.run(Recorder())):
         with pytest.raises(InputError, match="expected at least one shape at or below it"):
             call()
@@ -248,7 +249,7 @@ def test_a_bad_shape_stops_no_other(trained: Trained, tmp_path: Path) -> None:
     for folder in some:
         shutil.copytree(folder, source / folder.name)
     (source / some[0].name / "result.json").write_text("[{", encoding="utf-8")
-    stage = PredictShapes(source, out, trained.workspace, METHODS[0], device="cpu")
+    stage = PredictShapes([source], out, trained.workspace, METHODS[0], device="cpu")
     assert stage.run(Recorder()).failed == 1
     assert [path.parent.name for path in out.glob("*/joints.json")] == [some[1].name]
     assert (out / some[1].name / f"{some[1].name}.urdf").exists()
@@ -266,7 +267,7 @@ def test_repairs_of_a_shape_are_noted(trained: Trained, tmp_path: Path) -> None:
     for name in nodes[0]["objs"]:
         (tmp_path / "shapes" / source.name / "objs" / f"{name}.obj").write_text("", encoding="utf-8")
     recorder = Recorder()
-    found = PredictShapes(tmp_path / "shapes", tmp_path / "out", trained.workspace, METHODS[0], device="cpu").run(recorder)
+    found = PredictShapes([tmp_path / "shapes"], tmp_path / "out", trained.workspace, METHODS[0], device="cpu").run(recorder)
     (shape,) = found.data["shapes"]
     assert any("no surface" in repair for repair in shape["repairs"])
     assert recorder.notes[1:] == [f"repaired: {shape['id']}: {'; '.join(shape['repairs'])}"]
@@ -281,9 +282,9 @@ def test_a_shape_with_z_up_gets_the_joints_of_its_copy_with_y_up(trained: Traine
     for path in (lying / "objs").glob("*.obj"):
         text = re.sub(r"^v (\S+) (\S+) (\S+)", with_z_up, path.read_text(encoding="utf-8"), flags=re.M)
         path.write_text(text, encoding="utf-8")
-    predict = PredictShapes(standing, tmp_path / "out y", trained.workspace, METHODS[0], device="cpu")
+    predict = PredictShapes([standing], tmp_path / "out y", trained.workspace, METHODS[0], device="cpu")
     predict.run(Recorder())
-    replace(predict, source=lying, out=tmp_path / "out z", facts=StatedFacts(up="z")).run(Recorder())
+    replace(predict, sources=[lying], out=tmp_path / "out z", facts=StatedFacts(up="z")).run(Recorder())
     wanted, found = (
         read_joints_json(tmp_path / f"out {up}" / source.name / "joints.json", read_partnet(folder))[0]
         for up, folder in (("y", standing), ("z", lying))
@@ -312,7 +313,7 @@ def test_shapes_of_the_same_name_go_into_folders_named_by_their_paths(trained: T
     for place, shape in zip(("kitchen", "lab"), some, strict=True):
         shutil.copytree(shape, tmp_path / "shapes" / place / "scene")
     stage = PredictShapes(
-        tmp_path / "shapes",
+        [tmp_path / "shapes"],
         tmp_path / "out",
         trained.workspace,
         METHODS[0],
@@ -339,7 +340,7 @@ def test_predict_replaces_no_folder_that_it_did_not_write(trained: Trained, tmp_
     shape = next((trained.shapes / "partnet").iterdir())
     shutil.copytree(shape, tmp_path / shape.name)
     before = contents(tmp_path)
-    outcome = PredictShapes(tmp_path / shape.name, tmp_path, trained.workspace, METHODS[0], device="cpu").run(Recorder())
+    outcome = PredictShapes([tmp_path / shape.name], tmp_path, trained.workspace, METHODS[0], device="cpu").run(Recorder())
     assert outcome.failed == 1 and "kinmo predict did not write it" in outcome.data["skipped"][0]
     assert contents(tmp_path) == before
 
@@ -362,15 +363,30 @@ def test_the_terminal_shows_every_joint_and_its_score(
     stage: PredictShapes, monkeypatch: pytest.MonkeyPatch, score: float, words: str
 ) -> None:
     monkeypatch.setattr(predict_shapes, "load_trained_or_shipped", lambda *_: HingeMethod(score=score))
-    write_partnet(stage.source / "cabinet")
+    write_partnet(stage.sources[0] / "cabinet")
     lines = stage.run(Recorder()).text.splitlines()
     assert lines == ["cabinet (category Cabinet)", f"  door: hinge, 0 to 90°, {words}", "1 shape, 1 joint, 0 skipped"]
 
 
+def test_a_misspelled_category_is_noted(stage: PredictShapes) -> None:
+    write_partnet(stage.sources[0] / "door")
+    recorder = Recorder()
+    replace(stage, facts=StatedFacts(category="Refrigarator")).run(recorder)
+    assert "--category Refrigarator is new to kinmo (did you mean Refrigerator?)" in recorder.notes
+
+
+def test_an_empty_file_is_named_and_leaves_no_path(stage: PredictShapes) -> None:
+    stage.sources[0].mkdir()
+    (stage.sources[0] / "cabinet.glb").touch()
+    outcome = stage.run(Recorder())
+    assert outcome.data["skipped"] == [f"{stage.sources[0] / 'cabinet.glb'}: is empty: write it again"]
+    assert outcome.path is None
+
+
 def test_a_mesh_in_one_piece_is_an_error_that_says_how_to_get_parts(stage: PredictShapes) -> None:
-    path = stage.source.with_suffix(".glb")
+    path = stage.sources[0].with_suffix(".glb")
     trimesh.creation.icosphere().export(path)
-    outcome = replace(stage, source=path).run(Recorder())
+    outcome = replace(stage, sources=[path]).run(Recorder())
     (line,) = outcome.data["skipped"]
     assert outcome.failed == 1
     assert line.startswith(f"{path}: is one closed mesh, so no parts can be told apart: separate the object into")
@@ -386,9 +402,9 @@ def boxes_file(path: Path, *shifts: tuple[float, float, float], scale: float = 1
 
 
 def test_guesses_are_printed_and_written(stage: PredictShapes) -> None:
-    path = boxes_file(stage.source / "a.glb", (0, 0, 0), (3, 0, 0))
+    path = boxes_file(stage.sources[0] / "a.glb", (0, 0, 0), (3, 0, 0))
     recorder = Recorder()
-    replace(stage, source=path).run(recorder)
+    replace(stage, sources=[path]).run(recorder)
     options = "(if wrong: --up, --metres-per-unit, --category)"
     assert f"guessed: up +y (glTF), 1 unit = 1 m, category unknown {options}" in recorder.notes
     shape = json.loads((stage.out / "a" / "joints.json").read_text(encoding="utf-8"))["shape"]
@@ -398,7 +414,7 @@ def test_guesses_are_printed_and_written(stage: PredictShapes) -> None:
 
 def test_equal_guesses_about_several_shapes_are_one_line(stage: PredictShapes) -> None:
     for name in "abc":
-        boxes_file(stage.source / name / "scene.glb", (0, 0, 0), (3, 0, 0))
+        boxes_file(stage.sources[0] / name / "scene.glb", (0, 0, 0), (3, 0, 0))
     recorder = Recorder()
     stage.run(recorder)
     lines = [line for line in recorder.notes if line.startswith("guessed")]
@@ -407,10 +423,10 @@ def test_equal_guesses_about_several_shapes_are_one_line(stage: PredictShapes) -
 
 
 def test_what_is_stated_is_not_guessed(stage: PredictShapes) -> None:
-    path = boxes_file(stage.source / "a.stl", (0, 0, 0), (3, 0, 0), scale=1000.0)
+    path = boxes_file(stage.sources[0] / "a.stl", (0, 0, 0), (3, 0, 0), scale=1000.0)
     recorder = Recorder()
     facts = StatedFacts("storage furniture", "y", "x", 0.01)
-    replace(stage, source=path, facts=facts).run(recorder)
+    replace(stage, sources=[path], facts=facts).run(recorder)
     shape = json.loads((stage.out / "a" / "joints.json").read_text(encoding="utf-8"))["shape"]
     assert not [line for line in recorder.notes if line.startswith("guessed")]
     assert (shape["guessed"], shape["category"], shape["up"]) == ({}, "StorageFurniture", [0.0, 1.0, 0.0])
@@ -419,8 +435,8 @@ def test_what_is_stated_is_not_guessed(stage: PredictShapes) -> None:
 
 
 def test_other_labels_make_another_prediction(stage: PredictShapes, tmp_path: Path) -> None:
-    path = boxes_file(stage.source / "a.glb", (0, 0, 0), (3, 0, 0), (6, 0, 0))
-    predict = replace(stage, source=path, facts=StatedFacts(labels=tmp_path / "faces.npy"))
+    path = boxes_file(stage.sources[0] / "a.glb", (0, 0, 0), (3, 0, 0), (6, 0, 0))
+    predict = replace(stage, sources=[path], facts=StatedFacts(labels=tmp_path / "faces.npy"))
     for parts in (2, 3):
         np.save(tmp_path / "faces.npy", np.arange(36) % parts)
         assert predict.plan().steps

@@ -45,7 +45,7 @@ def test_corrections_are_written_and_twice_gives_the_same_as_once(tmp_path: Path
     result = export(folder)
     assert result.lines == (
         "  door: hinge, 0 to 110°, corrected by hand",
-        "  drawer: slider, 0 to 0.3, corrected by hand",
+        "  drawer: slider, 0 to 0.3 m, corrected by hand",
     )
     assert result.notes == ("knob has no part left: dropped",) and result.data["corrected"]
     once = contents(folder)

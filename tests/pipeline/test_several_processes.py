@@ -25,7 +25,7 @@ def test_two_processes_write_the_same_files_as_one(trained: Trained, tmp_path: P
     made = []
     for workers in (1, 2):
         source, out = trained.shapes / "partnet", tmp_path / str(workers)
-        PredictShapes(source, out, trained.workspace, METHODS[0], device="cpu", workers=workers).run(Recorder())
+        PredictShapes([source], out, trained.workspace, METHODS[0], device="cpu", workers=workers).run(Recorder())
         made.append(contents(out))
     assert made[0] == made[1] and len(made[0]) > 4
 

@@ -29,7 +29,7 @@ def predict_cabinets(source: Path, out: Path, facts: StatedFacts = NO_FACTS) -> 
     """Run `kinmo predict` with `CabinetMethod`."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(predict_shapes, "load_trained_or_shipped", lambda *_: CabinetMethod())
-        stage = PredictShapes(source, out, Workspace(out.with_name("workspace")), "cabinet", device="cpu", facts=facts)
+        stage = PredictShapes([source], out, Workspace(out.with_name("workspace")), "cabinet", device="cpu", facts=facts)
         return stage.run(Recorder())
 
 

@@ -41,7 +41,8 @@ def execute(options: CommonOptions, stage: Stage) -> None:
     else:
         if outcome.text and not options.quiet:
             print(outcome.text)
-        print(outcome.path)
+        if outcome.path is not None:
+            print(outcome.path)
     if outcome.failed:
         raise Exit(FAILED)
 

@@ -15,9 +15,13 @@ SCANS = "Options for scans"
 
 def predict(
     options: CommonOptions,
-    shape: Annotated[
-        Path,
-        Argument(help="A shape (file or folder), a scan, or a folder with such anywhere below it.", show_default=False),
+    shapes: Annotated[
+        list[Path],
+        Argument(
+            metavar="SHAPE",
+            help="Shapes (files or folders), or folders with shapes anywhere below them. Or a scan, or a folder of scans.",
+            show_default=False,
+        ),
     ],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results; each shape gets a folder in it.")] = Path(
         "predicted"
@@ -92,7 +96,7 @@ def predict(
 
         kinmo predict my_shapes/cabinet -o out/
         kinmo predict my_shapes/ -o out/ --json > out.json
-        kinmo predict cabinet.glb -o out/
+        kinmo predict cabinet.glb desk.obj -o out/
         kinmo predict cabinet.stl --category StorageFurniture --up z --front -y --metres-per-unit 0.001
         kinmo predict generated.glb --labels faces.npy
         kinmo predict scan.npz --category refrigerator
@@ -105,16 +109,19 @@ def predict(
 
     workspace = Workspace(options.workspace)
     of_scans = {"--intrinsics": intrinsics, "--depth-scale": depth_scale}
-    if _has_scans(shape, category is not None, any(value is not None for value in of_scans.values())):
+    has_camera = any(value is not None for value in of_scans.values())
+    if any(_has_scans(path, category is not None, has_camera) for path in shapes):
         of_shapes = {"--up": up, "--front": front, "--metres-per-unit": metres_per_unit, "--labels": labels}
         refuse({**of_shapes, "--cluster": cluster}, "applies only to shapes; remove it, or name a shape")
         if category is None:
             raise BadParameter("a scan needs --category, the category of the object in it", param_hint="--category")
+        if len(shapes) > 1:
+            raise BadParameter("expected one scan, or one folder of scans", param_hint="SHAPE...")
         from kinmo.pipeline.scans.predict_scans import PredictScans
         from kinmo.scans.files.camera_intrinsics import Intrinsics
 
         scans = PredictScans(
-            shape,
+            shapes[0],
             out,
             workspace,
             category,
@@ -130,8 +137,8 @@ def predict(
     from kinmo.io.readers.stated_facts import StatedFacts
     from kinmo.pipeline.predict_shapes import PredictShapes
 
-    shapes = PredictShapes(
-        shape,
+    stage = PredictShapes(
+        shapes,
         out,
         workspace,
         method=method or "kinmo",
@@ -143,7 +150,7 @@ def predict(
         formats=names_in(formats),
         collision=collision,
     )
-    execute(options, shapes)
+    execute(options, stage)
 
 
 def _has_scans(path: Path, has_category: bool, has_camera: bool) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from difflib import get_close_matches
 
 _KNOWN = (
     "Bag", "Bed", "Bottle", "Bowl", "Box", "Bucket", "Camera", "Cart", "Chair", "Clock", "CoffeeMachine", "Dishwasher",
@@ -22,6 +23,8 @@ _ALIASES = {"doorset": "Door", "cuttinginstrument": "Knife", "garbagecan": "Tras
 _WORD_CHARACTERS = "LMN"
 """Unicode classes that belong to words: letters, marks and digits."""
 _WORD_START = re.compile(r"(?<=[^\W\d_])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])")
+MIN_SIMILARITY = 0.85
+"""Least similarity of a misspelled name, by difflib: one wrong letter of seven."""
 MAX_CATEGORY_BYTES = 80
 """Longest name of an unknown category, in bytes of UTF-8."""
 
@@ -54,6 +57,13 @@ def canonical_category(name: str) -> str:
 def known_category(name: str) -> str:
     """The canonical spelling of a known category. Empty if the name is none."""
     return _SPELLING.get("".join(_words(name)), "")
+
+
+def similar_category(name: str) -> str:
+    """The known category that the name of an unknown one is probably misspelled for. Empty if there is none."""
+    joined = "".join(_words(name))
+    near = [] if joined in _SPELLING else get_close_matches(joined, _SPELLING, n=1, cutoff=MIN_SIMILARITY)
+    return _SPELLING[near[0]] if near else ""
 
 
 def same_category(one: str, other: str) -> bool:

@@ -44,13 +44,13 @@ class Outcome:
     """Result of a stage.
 
     Attributes:
-        path: file or folder to look at.
+        path: file or folder to look at. None if there is none.
         data: the result as plain data, which JSON can hold.
         text: the result for people.
         failed: number of things that the user asked for and did not get.
     """
 
-    path: Path
+    path: Path | None
     data: Any = field(default_factory=dict)
     text: str = ""
     failed: int = 0

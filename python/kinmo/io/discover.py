@@ -59,6 +59,8 @@ class ShapeSource:
 
         Raises InputError if the files cannot be used, or the facts do not fit.
         """
+        if self.path.is_file() and not self.path.stat().st_size:
+            raise InputError(self.path, "is empty: write it again")
         reader = READERS[self.layout]
         if reader.read_stated is not None:
             return reader.read_stated(self.path, facts)

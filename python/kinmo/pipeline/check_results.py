@@ -15,7 +15,7 @@ from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.pipeline.export_results import find_results
-from kinmo.pipeline.result_check import SIMULATORS, TESTS, CheckJob, FileCheck, check_result, planned_checks
+from kinmo.pipeline.result_check import SIMULATORS, TESTS, CheckJob, FileCheck, check_result, lacks_collisions, planned_checks
 
 SECONDS_PER_CHECK = 5.0
 """Estimate for one CPU core."""
@@ -70,6 +70,9 @@ class CheckResults:
                 name = printable_path(job.folder)
                 found[job.folder] = f"{name}: cannot be tested: {answer.reason}" if isinstance(answer, Failure) else answer
                 observer.progress("checking", done, len(jobs), job.folder.name)
+        if bare := [folder for folder in found if lacks_collisions(folder)]:
+            names = self._name(bare[0]) if len(bare) == 1 else f"{counted(len(bare), 'object')}, such as {self._name(bare[0])}"
+            observer.note(f"{names}: without collision geometry (--collision none), so contacts were not tested")
         rows = [_Row(folder, self._name(folder), checks) for folder, checks in found.items()]
         failed = sum(not row.works for row in rows)
         path = jobs[0].folder if len(jobs) == 1 else self._root

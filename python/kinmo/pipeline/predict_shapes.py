@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections import Counter
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -13,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from kinmo.core.categories import similar_category
 from kinmo.core.errors import InputError, expecting
 from kinmo.core.frames import y_up_rotation
-from kinmo.core.names import short_name
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
 from kinmo.core.wording import clean_text, counted, printable_path
@@ -25,9 +24,8 @@ from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.features.shape_preparation import prepare_shape
-from kinmo.io.discover import ShapeSource, discover
+from kinmo.io.discover import ShapeSource
 from kinmo.io.folder_lock import locked
-from kinmo.io.readers import PARTNET_MOBILITY
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.result_folder import write_result
@@ -39,10 +37,10 @@ from kinmo.methods import load_trained_or_shipped
 from kinmo.methods.method import Method
 from kinmo.pipeline.joint_lines import joint_lines
 from kinmo.pipeline.network_jobs import network_runner
+from kinmo.pipeline.prediction_targets import prediction_targets
 from kinmo.pipeline.removed_formats import EarlierResult, removed_line
 from kinmo.pipeline.result_export import apply_overrides
 from kinmo.robot.collision_geometry import CollisionMode
-from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
 SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
 SUSPICIOUS_SIZE = 20.0  # diagonal in metres above which an object is probably in millimetres
@@ -53,12 +51,12 @@ JOINTS_JSON = "joints_json"  # format that every result has
 
 @dataclass(frozen=True)
 class PredictShapes:
-    """Predict every shape at or below a path, each into a folder of its own. An unreadable shape does not stop the others.
+    """Predict every shape at or below some paths, each into a folder of its own. An unreadable shape does not stop the others.
 
     joints.json is in the frame and units of the shape's file. URDFs are z-up and in metres.
     """
 
-    source: Path
+    sources: Sequence[Path]
     out: Path
     workspace: Workspace
     method: str
@@ -72,7 +70,7 @@ class PredictShapes:
 
     def plan(self) -> Plan:
         """Count the shapes without an up-to-date prediction."""
-        targets, _ = self._targets()
+        targets, _ = prediction_targets(self.sources, self.out)
         jobs, unreadable = self._pending(targets, self._writer(), Cache(self.out))
         count = len(jobs) + len(unreadable)
         step = f"predict {counted(count, 'shape')} into {self.out}"
@@ -80,11 +78,13 @@ class PredictShapes:
 
     def run(self, observer: Observer) -> Outcome:
         """Predict the shapes without an up-to-date prediction."""
-        targets, skipped = self._targets()
+        targets, skipped = prediction_targets(self.sources, self.out)
         for problem in skipped:
             observer.problem(f"skipped: {problem}")
         writer = self._writer()
         observer.note(f"networks: {writer.method.networks}")
+        if self.facts.category is not None and (near := similar_category(self.facts.category)):
+            observer.note(f"--category {clean_text(self.facts.category)} is new to kinmo (did you mean {near}?)")
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
             uncorrected = apply_overrides([folder for _, folder in targets if folder not in problems], observer)
@@ -122,7 +122,7 @@ class PredictShapes:
         total = f"{counted(len(documents), 'shape')}, {count}{repairs}, {len(skipped)} skipped"
         text = "\n".join([*lines, total]) if len(documents) <= MAX_LISTED_SHAPES else total
         data = {"shapes": documents, "skipped": skipped, "uncorrected": list(uncorrected.values())}
-        return Outcome(self.out, data, text, failed=len(skipped) + len(uncorrected))
+        return Outcome(self.out if documents else None, data, text, failed=len(skipped) + len(uncorrected))
 
     def _pending(
         self, targets: Sequence[tuple[ShapeSource, Path]], writer: PredictionWriter, cache: Cache
@@ -172,34 +172,6 @@ class PredictShapes:
         check_formats(self.formats)
         formats = tuple(dict.fromkeys((*self.formats, JOINTS_JSON)))
         return PredictionWriter(method, self.seed, self.facts, formats, self.collision)
-
-    def _targets(self) -> tuple[list[tuple[ShapeSource, Path]], list[str]]:
-        """Every shape with a folder of its own, named after its id, and problems. Raises InputError if there are neither.
-
-        Shapes with the same id are named after their paths below `source`. The only PartNet-Mobility shape among them keeps the
-        id, because other tools look for its URDF under it. Long names are cut.
-        """
-        problems: list[InputError] = []
-        shapes = list(discover(self.source, skip=(self.out,), report=problems.append))
-        if not shapes and not problems:
-            if self.out.resolve() == self.source.resolve():
-                raise InputError("--out", "is the folder with the shapes: name another")
-            scans = sum(path.suffix.lower() in SCAN_SUFFIXES for path in self.source.rglob("*"))
-            hint = f". Found {counted(scans, 'scan')}: for scans, add --category" if scans else ""
-            raise InputError(self.source, f"expected at least one shape at or below it (docs/reference/formats.md){hint}")
-        names = [short_name(found.id, found.id) for found in shapes]
-        for with_endings in (False, True):
-            counts = Counter(names)
-            keeping = Counter(name for name, found in zip(names, shapes, strict=True) if found.layout == PARTNET_MOBILITY)
-            for place, found in enumerate(shapes):
-                name = names[place]
-                keeps_id = found.layout == PARTNET_MOBILITY and keeping[name] == 1
-                if counts[name] > 1 and not keeps_id:
-                    names[place] = _path_name(found.path, self.source, with_endings)
-        if len(set(names)) < len(names):  # a folder may have the name that a path becomes here
-            names = [f"{number}-{name}" for number, name in enumerate(names)]
-        targets = [(found, self.out / name) for found, name in zip(shapes, names, strict=True)]
-        return targets, list(map(str, problems))
 
 
 def predict_shape(shape: Shape, method: Method, *, seed: int = 0) -> ShapeEstimate:
@@ -286,13 +258,6 @@ def _guess_lines(documents: Sequence[dict[str, Any]]) -> list[str]:
     if len(documents) == 1:
         return [f"guessed: {line}" for line in ids]
     return [f"guessed for {counted(len(same), 'shape')}, such as {same[0]}: {line}" for line, same in ids.items()]
-
-
-def _path_name(path: Path, source: Path, with_ending: bool) -> str:
-    """Path of a shape below `source` as the name of one folder."""
-    place = path.relative_to(source)
-    text = printable_path("__".join((place if with_ending or path.is_dir() else place.with_suffix("")).parts))
-    return short_name(clean_text(text), text)
 
 
 def _source(found: ShapeSource) -> str:

@@ -134,6 +134,14 @@ def planned_checks(job: CheckJob) -> list[FileCheck]:
     return found
 
 
+def lacks_collisions(folder: Path) -> bool:
+    """True if a result states that it was exported without collision geometry."""
+    try:
+        return read_document(folder / FILE_NAME)["export"]["collision"].text() == "none"
+    except InputError:
+        return False
+
+
 @contextmanager
 def _naming_remedy() -> Iterator[None]:
     """Add the remedy to errors of a damaged joints.json."""

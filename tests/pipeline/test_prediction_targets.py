@@ -1,0 +1,49 @@
+"""Shapes are found in files and folders, and each gets a folder of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from datasets import write_partnet
+
+from kinmo.core.errors import InputError
+from kinmo.pipeline.prediction_targets import prediction_targets
+
+
+def names_of(sources: list[Path], out: Path) -> list[str]:
+    targets, problems = prediction_targets(sources, out)
+    assert problems == []
+    assert all(folder.parent == out for _, folder in targets)
+    return [folder.name for _, folder in targets]
+
+
+def test_shapes_of_several_sources_stand_in_one_folder(tmp_path: Path) -> None:
+    for place in ("a/door", "b/lid", "b/box"):
+        write_partnet(tmp_path / place)
+    assert names_of([tmp_path / "b", tmp_path / "a/door"], tmp_path / "out") == ["box", "lid", "door"]
+
+
+def test_a_shape_that_two_sources_hold_counts_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_partnet(tmp_path / "a/door")
+    monkeypatch.chdir(tmp_path)
+    assert names_of([Path("a"), tmp_path / "a/door", Path("a/../a")], tmp_path / "out") == ["door"]
+
+
+def test_shapes_of_one_name_are_named_after_the_folders_that_differ(tmp_path: Path) -> None:
+    for place in ("a/door", "b/door"):
+        write_partnet(tmp_path / place)
+    assert names_of([tmp_path / "a/door", tmp_path / "b/door"], tmp_path / "out") == ["a__door", "b__door"]
+
+
+def test_names_within_a_folder_do_not_depend_on_other_shapes(tmp_path: Path) -> None:
+    for place in ("x/a/door", "x/b/door"):
+        write_partnet(tmp_path / place)
+    assert names_of([tmp_path], tmp_path / "out") == ["x__a__door", "x__b__door"]
+
+
+def test_a_source_without_shapes_is_named(tmp_path: Path) -> None:
+    write_partnet(tmp_path / "a/door")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="empty: expected at least one shape"):
+        prediction_targets([tmp_path / "a", tmp_path / "empty"], tmp_path / "out")
