@@ -75,6 +75,17 @@ def test_friction_holds_light_parts() -> None:
     assert button_with(Physics(), X).joints[0].friction == 0.0, "a level slider needs none"
 
 
+@pytest.mark.parametrize(("axis", "share"), [(X, 1.0), (Y, 0.0)], ids=["tilts", "turns upright"])
+def test_friction_holds_level_buttons_on_parts_that_tilt(axis: np.ndarray, share: float) -> None:
+    boxes = [CARCASS, LID, ((0.4, 1.12, 0.5), (0.5, 1.18, 0.52))]
+    press = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), -0.004, 0.0)
+    hinge = Joint(JointKind.REVOLUTE, axis, np.array([0.0, 1.1, 0.0]), -1.5, 1.5)
+    shape = shape_of_boxes(boxes, [Body(0, "case", (1,)), Body(1, "lid", (2,), 0, hinge), Body(2, "button", (3,), 1, press)])
+    robot = build_robot(shape, shape.mobility)
+    weight = GRAVITY * robot.links[2].inertial.mass
+    assert robot.joints[1].friction == pytest.approx(share * HOLD * weight, abs=1e-12)
+
+
 def test_friction_does_not_hold_a_heavy_lid() -> None:
     assert robot_with(HINGE, Physics()).joints[0].friction == 0.0
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from kinmo.robot.inertia import DENSITY, joined
-from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind, RobotLink
+from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind
 
 GRAVITY = 9.81
 """Acceleration in m/s2, along -z."""
@@ -18,6 +18,8 @@ MAX_FALL = 0.5
 """Speed that a part reaches at most when it falls by its weight, in m/s."""
 MAX_HELD = 2.0
 """Largest force of weight at the rim of a part that dry friction holds, in N: that of knobs and buttons, but not of lids."""
+TILT = 1e-3
+"""Least deviation of the upright component of an axis from 1 at which turning about it tilts what it carries."""
 HOLD = 1.5
 """Dry friction of joints that hold their part, in forces of its weight."""
 
@@ -60,8 +62,7 @@ def with_resistance(robot: Robot, physics: Physics) -> Robot:
     """
     joints = []
     for joint in robot.joints:
-        moving = [robot.links[index] for index in robot.links_below(joint.child)]
-        damping, friction = _default_resistance(joint, moving)
+        damping, friction = _default_resistance(robot, joint)
         joints.append(
             replace(
                 joint,
@@ -72,17 +73,31 @@ def with_resistance(robot: Robot, physics: Physics) -> Robot:
     return replace(robot, joints=tuple(joints))
 
 
-def _default_resistance(joint: RobotJoint, moving: Sequence[RobotLink]) -> tuple[float, float]:
+def _default_resistance(robot: Robot, joint: RobotJoint) -> tuple[float, float]:
     """Damping and friction of a joint by the links that it moves."""
+    moving = [robot.links[index] for index in robot.links_below(joint.child)]
     origin = moving[0].origin
     body = joined(link.inertial for link in moving)
     weight = GRAVITY * body.mass
+    upright, level = abs(float(joint.axis[2])), float(np.hypot(*joint.axis[:2]))
+    if _is_tilted(robot, joint):
+        upright = level = 1.0
     if joint.kind is RobotJointKind.PRISMATIC:
-        force = weight * abs(float(joint.axis[2]))
+        force = weight * upright
         return max(DECAY * body.mass, force / MAX_FALL), HOLD * force if force <= MAX_HELD else 0.0
     arm = float(np.linalg.norm(np.cross(joint.axis, body.center - origin)))
     points = [visual.mesh.vertices for link in moving for visual in link.visuals]
     reach = max((float(np.linalg.norm(np.cross(joint.axis, each - origin), axis=1).max()) for each in points), default=0.0)
-    moment = weight * arm * float(np.hypot(*joint.axis[:2]))  # the largest one while it turns
+    moment = weight * arm * level  # the largest one while it turns
     inertia = float(joint.axis @ body.inertia @ joint.axis) + body.mass * arm**2
     return max(DECAY * inertia, moment * reach / MAX_FALL), HOLD * moment if moment <= MAX_HELD * reach else 0.0
+
+
+def _is_tilted(robot: Robot, joint: RobotJoint) -> bool:
+    """True if a joint above tilts the axis."""
+    carrier = robot.joint_of(joint.parent)
+    while carrier is not None:
+        if carrier.kind is not RobotJointKind.PRISMATIC and abs(float(carrier.axis[2])) < 1.0 - TILT:
+            return True
+        carrier = robot.joint_of(carrier.parent)
+    return False

@@ -108,3 +108,20 @@ def test_friction_holds_a_light_button(tmp_path, load, friction: float | None) -
         assert sunk > 0.003 if friction == 0.0 else abs(sunk) < 1e-4, path.name
         low, high = simulator.drive(0, (-0.004, 0.004), 1.0)
         assert low < -0.0039 and high > 0.0039, path.name
+
+
+def test_friction_holds_buttons_on_a_part_that_falls(tmp_path, load) -> None:
+    tilt = Joint(JointKind.REVOLUTE, np.array([1.0, 0.0, 0.0]), np.array([0.5, 1.2, 0.25]), -0.5, 0.5)
+    press = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), -0.004, 0.004)
+    buttons = [((x, y, 0.3), (x + 0.1, y + 0.1, 0.32)) for x in (0.1, 0.4, 0.7) for y in (1.1, 1.3)]
+    bodies = [Body(0, "stand", (1,)), Body(1, "head", (2,), 0, tilt)]
+    bodies += [Body(index, "button", (index + 1,), 1, press) for index in range(2, 2 + len(buttons))]
+    shape = shape_of_boxes([BASE, ((0.0, 1.05, 0.2), (1.0, 1.5, 0.29)), *buttons], bodies)
+    for path in export(shape, shape.mobility, tmp_path / "out", ["urdf", "mjcf"], ExportOptions(collision="none")).values():
+        if path.suffix == ".urdf" or "Mujoco" in load.__name__:
+            simulator = load(path)
+            values = dict(zip([joint.name for joint in simulator.joints], simulator.rest(1.0).values, strict=True))
+            assert abs(values.pop("head_joint")) > 0.1
+            assert max(map(abs, values.values())) < 1e-4, path.name
+            low, high = simulator.drive(3, (-0.004, 0.004), 1.0)
+            assert low < -0.0038 and high > 0.0038, path.name

@@ -29,8 +29,8 @@ from kinmo.io.writers.xml_files import numbers, write_xml
 from kinmo.robot.collision_shapes import Cylinder
 from kinmo.robot.robot import Collision, Inertial, Robot, RobotJoint, RobotLink, Visual
 
-NOSLIP_ITERATIONS = 3
-"""Steps of MuJoCo's solver of slip: joints with friction stay at rest."""
+NOSLIP_ITERATIONS = 100
+"""Most steps of MuJoCo's solver of slip. It mostly needs few, but more where joints with friction carry each other."""
 
 MeshPath = Callable[[Visual | Collision], str]
 """The mesh file of a part or collision shape, relative to the URDF."""
