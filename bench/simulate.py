@@ -1,13 +1,13 @@
 """Share of exported objects that work in simulators: they load, stay at rest, move, and agree with kinmo's kinematics.
 
-`kinmo check` makes the tests (docs/background/metrics.md, "Simulators"). Objects are exported with the predicted joints, and
-by --true with the annotated ones too: the upper bound.
+`kinmo check` makes the tests (docs/background/metrics.md, "Simulators"). Objects are exported with the predicted joints, or
+with the annotated ones: the upper bound.
 
 A joint is safe if at most 1 % of the probes of its body hit a part on the way through the exported range. Parts that touch the
 body at rest do not count.
 
 Usage:
-    python bench/simulate.py RESULTS OUT [--formats urdf,mjcf,usd] [--true] [--limit N] [--workers N] [--quick]
+    python bench/simulate.py RESULTS OUT [--formats urdf,mjcf,usd] [--joints predicted true] [--limit N] [--workers N] [--quick]
 
 RESULTS is a folder of kinmo predict. Objects in OUT are exported once.
 """
@@ -61,7 +61,7 @@ def export_object(job: Job) -> Path:
     prediction = Prediction.load(source)
     shape = prediction.shape
     if is_true and shape.mobility is None:
-        raise InputError(shape.source, "expected annotated joints for --true")
+        raise InputError(shape.source, "expected annotated joints for --joints true")
     result = _certain(shape, shape.mobility) if is_true and shape.mobility is not None else prediction.estimate
     options = ExportOptions(target.name, shape.metres_per_unit, provenance=prediction.provenance)
     export(shape, result, target, ("joints_json", *formats), options)
@@ -144,7 +144,7 @@ def main() -> int:
     parser.add_argument("results", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--formats", default="urdf,mjcf,usd")
-    parser.add_argument("--true", action="store_true", help="test the true joints too")
+    parser.add_argument("--joints", nargs="+", choices=("predicted", "true"), default=["predicted"])
     parser.add_argument("--limit", type=int, help="number of objects, spread over all")
     parser.add_argument("--workers", type=int, default=2)
     args = parser.parse_args()
@@ -152,7 +152,7 @@ def main() -> int:
     limit = QUICK if args.quick else args.limit or len(folders)
     folders = folders[:: max(1, len(folders) // limit)][:limit]
     rows, claims = [], []
-    for title in ("predicted", "true") if args.true else ("predicted",):
+    for title in args.joints:
         jobs = [(folder, args.out / title / folder.name, tuple(args.formats.split(",")), title == "true") for folder in folders]
         found, lost = {}, 0
         for job, answer in runner_for(args.workers).run(check_exported, jobs):
