@@ -198,7 +198,7 @@ def test_a_folder_with_scans_alone_is_refused(stage: PredictShapes) -> None:
             call()
 
 
-def test_edits_of_a_user_stay_only_while_the_shape_and_the_settings_do(stage: PredictShapes) -> None:
+def test_edits_of_a_user_are_not_replaced_if_the_settings_change(stage: PredictShapes) -> None:
     write_partnet(stage.sources[0] / "door")
     stage.run(Recorder())
     urdf = stage.out / "door" / "door.urdf"
@@ -206,11 +206,12 @@ def test_edits_of_a_user_stay_only_while_the_shape_and_the_settings_do(stage: Pr
     urdf.write_text(f"{before}<!-- edited -->", encoding="utf-8")
     assert stage.plan().steps == ()
     other = replace(stage, facts=StatedFacts(metres_per_unit=2.0))
-    assert other.plan().steps == (f"predict 1 shape into {stage.out}",)
-    other.run(Recorder())
-    assert "edited" not in urdf.read_text(encoding="utf-8")
-    assert stage.run(Recorder()).failed == 0
-    assert urdf.read_text(encoding="utf-8") == before
+    remedy = "was edited after kinmo wrote it: move it away, or name another folder by --out"
+    assert other.run(Recorder()).data["skipped"] == [f"{urdf}: {remedy}"]
+    assert urdf.read_text(encoding="utf-8") == f"{before}<!-- edited -->"
+    urdf.rename(urdf.with_name("mine.urdf"))
+    assert other.run(Recorder()).failed == 0
+    assert urdf.read_text(encoding="utf-8") != before
 
 
 def test_removed_files_of_other_formats_are_named(stage: PredictShapes) -> None:

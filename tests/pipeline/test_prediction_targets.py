@@ -42,8 +42,12 @@ def test_names_within_a_folder_do_not_depend_on_other_shapes(tmp_path: Path) -> 
     assert names_of([tmp_path], tmp_path / "out") == ["x__a__door", "x__b__door"]
 
 
-def test_a_source_without_shapes_is_named(tmp_path: Path) -> None:
+def test_a_source_without_shapes_stops_no_other(tmp_path: Path) -> None:
     write_partnet(tmp_path / "a/door")
     (tmp_path / "empty").mkdir()
+    targets, problems = prediction_targets([tmp_path / "none", tmp_path / "a", tmp_path / "empty"], tmp_path / "out")
+    assert [folder.name for _, folder in targets] == ["door"]
+    assert problems[0] == f"{tmp_path / 'none'}: no such file or folder"
+    assert problems[1].startswith(f"{tmp_path / 'empty'}: expected at least one shape")
     with pytest.raises(InputError, match="empty: expected at least one shape"):
-        prediction_targets([tmp_path / "a", tmp_path / "empty"], tmp_path / "out")
+        prediction_targets([tmp_path / "empty"], tmp_path / "out")

@@ -114,7 +114,8 @@ def predict(
         of_shapes = {"--up": up, "--front": front, "--metres-per-unit": metres_per_unit, "--labels": labels}
         refuse({**of_shapes, "--cluster": cluster}, "applies only to shapes; remove it, or name a shape")
         if category is None:
-            raise BadParameter("a scan needs --category, the category of the object in it", param_hint="--category")
+            problem = f"a scan such as {shapes[0]} needs --category, the category of the object in it; a shape needs faces"
+            raise BadParameter(problem, param_hint="--category")
         if len(shapes) > 1:
             raise BadParameter("expected one scan, or one folder of scans", param_hint="SHAPE...")
         from kinmo.pipeline.scans.predict_scans import PredictScans

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from kinmo.core.categories import similar_category
+from kinmo.core.categories import known_category, similar_category
 from kinmo.core.errors import InputError, expecting
 from kinmo.core.frames import y_up_rotation
 from kinmo.core.shape import Shape
@@ -26,6 +26,7 @@ from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.discover import ShapeSource
 from kinmo.io.folder_lock import locked
+from kinmo.io.readers.mesh_folder_reader import MESH_FOLDER
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.result_folder import write_result
@@ -46,6 +47,8 @@ SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
 SUSPICIOUS_SIZE = 20.0  # diagonal in metres above which an object is probably in millimetres
 MAX_REPAIRED_LINES = 40  # repaired shapes that are listed on the terminal; joints.json and --json have all repairs
 MAX_LISTED_SHAPES = 10  # largest number of shapes whose joints are listed on the terminal
+NO_JOINTS = "  no joints found"
+DOUBTFUL = 0.7  # mean score of joints below which a guessed up direction is doubtful
 JOINTS_JSON = "joints_json"  # format that every result has
 
 
@@ -83,8 +86,10 @@ class PredictShapes:
             observer.problem(f"skipped: {problem}")
         writer = self._writer()
         observer.note(f"networks: {writer.method.networks}")
-        if self.facts.category is not None and (near := similar_category(self.facts.category)):
-            observer.note(f"--category {clean_text(self.facts.category)} is new to kinmo (did you mean {near}?)")
+        if self.facts.category and not known_category(self.facts.category):
+            near = similar_category(self.facts.category)
+            hint = f"did you mean {near}?" if near else "its words count as a part's name does"
+            observer.note(f"--category {clean_text(self.facts.category)} is new to kinmo ({hint})")
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
             uncorrected = apply_overrides([folder for _, folder in targets if folder not in problems], observer)
@@ -98,7 +103,7 @@ class PredictShapes:
                     document, joints = _summary(found, folder)
                     documents.append(document)
                     category = clean_text(document["category"]) or "unknown"
-                    lines += [f"{clean_text(found.id)} (category {category})", *joints] if joints else []
+                    lines += [f"{clean_text(found.id)} (category {category})", *(joints or [NO_JOINTS])]
             except InputError as error:
                 skipped.append(str(error))
                 observer.problem(f"skipped: {error}")
@@ -115,6 +120,12 @@ class PredictShapes:
             folder = Path(document["folder"])
             if document["corrected"] and folder not in uncorrected:
                 observer.note(f"{document['id']}: corrected by {folder / OVERRIDES_FILE}")
+            if document["layout"] == MESH_FOLDER:
+                observer.note(
+                    f"{document['id']}: its mesh files are the parts of one shape: name files singly if each is a shape"
+                )
+            if "up" in document["guessed"] and document["joints"] and document["mean_score"] < DOUBTFUL:
+                observer.note(f"{document['id']}: low scores: is another axis up? (--up z, --up y)")
             if document["parts"] < 2:
                 observer.note(f"{document['id']}: has one part, so nothing can move: cut it into one node per moving part")
         count = counted(sum(document["joints"] for document in documents), "joint")
@@ -136,7 +147,14 @@ class PredictShapes:
             except InputError as error:
                 problems[folder] = str(error)
                 continue
-            if not cache.is_current(folder.name, key, edited=True) or _stated_source(folder) is None:
+            has_result = _stated_source(folder) is not None
+            if has_result and cache.is_current(folder.name, key, edited=True):
+                continue
+            edited = [path for path in cache.edited(folder.name) if path.name != OVERRIDES_FILE] if has_result else []
+            if edited:
+                remedy = "move it away, or name another folder by --out"
+                problems[folder] = str(InputError(edited[0], f"was edited after kinmo wrote it: {remedy}"))
+            else:
                 jobs.append(PredictionJob(found, folder, key, _source_in(cache, folder)))
         return jobs, problems
 
@@ -235,8 +253,12 @@ def _summary(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str
             "source": printable_path(found.path),
             "folder": str(folder),
             "category": str(shape["category"]),
+            "layout": str(shape["layout"]),
             "parts": sum(len(body["parts"]) for body in bodies),
             "joints": len(lines),
+            "mean_score": float(
+                np.mean([body["estimates"][0]["score"] for body in bodies if body["joint"] is not None] or [0.0])
+            ),
             "urdf": str(folder / f"{folder.name}.urdf"),
             "diagonal": float(shape["diagonal"]),
             "metres_per_unit": float(shape["metres_per_unit"]),

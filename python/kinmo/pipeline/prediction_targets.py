@@ -26,15 +26,20 @@ def prediction_targets(sources: Sequence[Path], out: Path) -> tuple[list[tuple[S
         out: folder that the folders of the results are in. It is not searched.
 
     Returns:
-        The shapes with their folders, and a line for each place that cannot be searched.
+        The shapes with their folders, and a line for each source or folder that cannot be used.
 
     Raises:
-        InputError: a source has neither shapes nor such places.
+        InputError: the only source has neither shapes nor such folders.
     """
     problems: list[str] = []
     found: dict[Path, ShapeSource] = {}
     for source in sources:
-        shapes, lines = _search(source, out)
+        try:
+            shapes, lines = _search(source, out)
+        except InputError as error:
+            if len(sources) == 1:
+                raise
+            shapes, lines = [], [str(error)]
         problems += lines
         for shape in shapes:
             found.setdefault(_absolute(shape.path), shape)

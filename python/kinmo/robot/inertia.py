@@ -14,7 +14,7 @@ from kinmo.robot.robot import Inertial
 
 DENSITY = 100.0
 """Density of the box of an open part, and of the volume of a closed one, in kg/m3. Furniture is mostly hollow."""
-MIN_MASS = 1e-3
+MIN_MASS = 0.01
 """Least mass of a link in kg."""
 MIN_EXTENT = 1e-3
 """Least extent of a box with a mass, in metres."""

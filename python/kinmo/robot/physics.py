@@ -18,10 +18,14 @@ MAX_FALL = 0.5
 """Speed that a part reaches at most when it falls by its weight, in m/s."""
 MAX_HELD = 2.0
 """Largest force of weight at the rim of a part that dry friction holds, in N: that of knobs and buttons, but not of lids."""
+MIN_REACH = 1e-6
+"""Distance of the rim from the axis in metres below which a part has no moment."""
 TILT = 1e-3
 """Least deviation of the upright component of an axis from 1 at which turning about it tilts what it carries."""
 HOLD = 1.5
 """Dry friction of joints that hold their part, in forces of its weight."""
+MIN_FRICTION = 0.2
+"""Least dry friction at the rim of a part, in N: a knob does not spin on after a touch."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +36,8 @@ class Physics:
         density: density of parts in kg/m3.
         part_densities: other densities in kg/m3, by name of the part.
         damping: damping of all joints in N s/m or N m s/rad. None for the least damping that keeps parts from falling fast.
-        friction: dry friction of all joints in N or N m. None for friction that holds light parts, such as buttons, against
-            their weight.
+        friction: dry friction of all joints in N or N m. None for a little, which also holds light parts, such as buttons,
+            against their weight.
         effort: largest force of a motor in N or N m.
         velocity: largest speed in m/s or rad/s.
     """
@@ -57,8 +61,8 @@ DEFAULT_PHYSICS = Physics()
 def with_resistance(robot: Robot, physics: Physics) -> Robot:
     """The robot with the damping and the friction of the physics, or the default ones where it states none.
 
-    Default damping is the least at which no part falls faster than `MAX_FALL`, and free motion dies out. Default friction holds
-    parts whose weight is at most `MAX_HELD` at their rim.
+    Default damping is the least at which no part falls faster than `MAX_FALL`, and free motion dies out. Default friction is
+    `MIN_FRICTION`, or more where that holds a part whose weight is at most `MAX_HELD` at its rim.
     """
     joints = []
     for joint in robot.joints:
@@ -84,13 +88,18 @@ def _default_resistance(robot: Robot, joint: RobotJoint) -> tuple[float, float]:
         upright = level = 1.0
     if joint.kind is RobotJointKind.PRISMATIC:
         force = weight * upright
-        return max(DECAY * body.mass, force / MAX_FALL), HOLD * force if force <= MAX_HELD else 0.0
+        return max(DECAY * body.mass, force / MAX_FALL), _friction(force)
     arm = float(np.linalg.norm(np.cross(joint.axis, body.center - origin)))
     points = [visual.mesh.vertices for link in moving for visual in link.visuals]
     reach = max((float(np.linalg.norm(np.cross(joint.axis, each - origin), axis=1).max()) for each in points), default=0.0)
     moment = weight * arm * level  # the largest one while it turns
     inertia = float(joint.axis @ body.inertia @ joint.axis) + body.mass * arm**2
-    return max(DECAY * inertia, moment * reach / MAX_FALL), HOLD * moment if moment <= MAX_HELD * reach else 0.0
+    return max(DECAY * inertia, moment * reach / MAX_FALL), reach * _friction(moment / max(reach, MIN_REACH))
+
+
+def _friction(force: float) -> float:
+    """Dry friction at the rim of a part, in N, by the force of its weight there."""
+    return max(MIN_FRICTION, HOLD * force if force <= MAX_HELD else 0.0)
 
 
 def _is_tilted(robot: Robot, joint: RobotJoint) -> bool:

@@ -111,7 +111,7 @@ def test_friction_holds_a_light_button(tmp_path, load, friction: float | None) -
 
 
 def test_friction_holds_buttons_on_a_part_that_falls(tmp_path, load) -> None:
-    tilt = Joint(JointKind.REVOLUTE, np.array([1.0, 0.0, 0.0]), np.array([0.5, 1.2, 0.25]), -0.5, 0.5)
+    tilt = Joint(JointKind.REVOLUTE, np.array([1.0, 0.0, 0.0]), np.array([0.5, 1.2, 0.2]), -3.0, 3.0)
     press = Joint(JointKind.PRISMATIC, np.array([0.0, 0.0, 1.0]), np.zeros(3), -0.004, 0.004)
     buttons = [((x, y, 0.3), (x + 0.1, y + 0.1, 0.32)) for x in (0.1, 0.4, 0.7) for y in (1.1, 1.3)]
     bodies = [Body(0, "stand", (1,)), Body(1, "head", (2,), 0, tilt)]
@@ -122,6 +122,6 @@ def test_friction_holds_buttons_on_a_part_that_falls(tmp_path, load) -> None:
             simulator = load(path)
             values = dict(zip([joint.name for joint in simulator.joints], simulator.rest(1.0).values, strict=True))
             assert abs(values.pop("head_joint")) > 0.1
-            assert max(map(abs, values.values())) < 1e-4, path.name
+            assert max(map(abs, values.values())) < 2e-4, path.name
             low, high = simulator.drive(3, (-0.004, 0.004), 1.0)
             assert low < -0.0038 and high > 0.0038, path.name

@@ -15,7 +15,7 @@ from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.features.travel_features import FREE
 from kinmo.methods.kinmo.body_ranking import features_of_groups, rank_bodies
-from kinmo.methods.kinmo.kinematic_tree import ShapeLimits, find_parents
+from kinmo.methods.kinmo.kinematic_tree import ShapeLimits
 from kinmo.methods.kinmo.limits.travel_examples import TravelExamples
 
 HINGE = Joint(JointKind.REVOLUTE, np.array([0.0, 1.0, 0.0]), np.array([0.3, 0.0, 0.1]))
@@ -45,15 +45,3 @@ def test_limits_of_the_best_joint_do_not_depend_on_the_others() -> None:
         if before.joint is not None:
             assert "sweep" in after.terms
             assert after.joint.upper == pytest.approx(-2.0 * after.joint.lower), "directions point to the longer side"
-
-
-def test_the_parent_is_the_body_with_most_contact() -> None:
-    boxes = [((0, 0, 0), (1, 1, 1)), ((0, 1, 0), (1, 1.1, 1)), ((0.4, 1.1, 0.4), (0.6, 1.2, 0.6)), ((2, 0, 0), (3, 1, 1))]
-    made = shape_of_boxes(boxes, [Body(i, "", (i + 1,)) for i in range(4)])
-    shape = prepare_shape(made, points=64)
-    bodies = [(0,), (1,), (2,), (3,)]
-    geometry = ShapeGeometry.of_prepared(shape, leaf_meshes(made, shape))
-    parents = find_parents(geometry, bodies, [False, True, True, False])
-    assert parents == [None, 0, 1, None]
-    known = find_parents(geometry, bodies, [False, True, True, False], [None, None, 0, None])
-    assert known == [None, 0, 0, None]

@@ -29,6 +29,8 @@ from kinmo.io.writers.xml_files import numbers, write_xml
 from kinmo.robot.collision_shapes import Cylinder
 from kinmo.robot.robot import Collision, Inertial, Robot, RobotJoint, RobotJointKind, RobotLink
 
+STIFF_LIMIT = (0.004, 1.0)
+"""Time constant in seconds and damping of limits (solreflimit). By the default ones, a finger pushes buttons through theirs."""
 STIFF = (0.9999, 0.9999, 0.001, 0.5, 2.0)
 """Impedance of the friction of joints (solimpfriction). By the default one, held parts creep by 1 cm a second."""
 
@@ -129,4 +131,4 @@ def _add_joint(body: ET.Element, joint: RobotJoint) -> None:
     if joint.friction:
         element.attrib["solimpfriction"] = numbers(STIFF)
     if joint.lower is not None and joint.upper is not None:
-        element.attrib["range"] = numbers([joint.lower, joint.upper])
+        element.attrib |= {"range": numbers([joint.lower, joint.upper]), "solreflimit": numbers(STIFF_LIMIT)}

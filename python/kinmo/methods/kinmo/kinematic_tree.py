@@ -8,23 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo import _core
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body, descendants
 from kinmo.core.shape_estimate import JointEstimate
 from kinmo.features.candidate_features import CandidateFeatures
-from kinmo.features.group_geometry import CONTACT_SCALE, GroupGeometry, group_geometries
+from kinmo.features.group_geometry import GroupGeometry, group_geometries
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.travel_features import FREE
+from kinmo.methods.kinmo.body_parents import find_parents
 from kinmo.methods.kinmo.body_ranking import features_of_groups
 from kinmo.methods.kinmo.limits.limits_predictor import LimitsPredictor
 from kinmo.methods.kinmo.limits.travel_examples import body_inputs
 
 F64 = NDArray[np.float64]
-
-CONTACT_SAMPLES = 512
-"""Surface samples of a body that its contact with other bodies is measured at."""
 
 
 def build_tree(
@@ -49,7 +46,7 @@ def build_tree(
         known: Parent of each body where it is known; None where it is not.
         features: Candidate features that are computed already. None for those that the shape was prepared with.
     """
-    parents = find_parents(geometry, bodies, [found[0].joint is not None for found in ranked], known)
+    parents = find_parents(geometry, bodies, [found[0].joint for found in ranked], known)
     with_joints = [body for body, found in zip(bodies, ranked, strict=True) if any(each.joint is not None for each in found)]
     limits = ShapeLimits(shape, geometry, features_of_groups(shape, geometry, with_joints, features), limiter)
     limited = []
@@ -61,38 +58,6 @@ def build_tree(
         for index, (name, leaves, found) in enumerate(zip(names, bodies, limited, strict=True))
     )
     return tree, limited
-
-
-def find_parents(
-    geometry: ShapeGeometry,
-    bodies: Sequence[tuple[int, ...]],
-    moves: Sequence[bool],
-    known: Sequence[int | None] | None = None,
-) -> list[int | None]:
-    """Parent of every moving body: the `known` one, or else the body it has most contact with.
-
-    A body that is attached to another one is not its parent. Bodies at rest (not `moves`) have no parent.
-    """
-    affinity = np.full((len(bodies), len(bodies)), -1.0)
-    parents: list[int | None] = [None] * len(bodies) if known is None else list(known)
-    for index, leaves in enumerate(bodies):
-        if not moves[index] or parents[index] is not None:
-            continue
-        points, _ = geometry.surface(leaves, CONTACT_SAMPLES)
-        _, riders = geometry.surroundings(leaves)
-        others = [place for place, other in enumerate(bodies) if place != index and other and not set(other) <= set(riders)]
-        if others:
-            around = [list(bodies[place]) for place in others]
-            everywhere = np.broadcast_to(points, (len(around), *points.shape))
-            gaps, _, _ = _core.closest_points_of_groups(geometry.meshes, around, everywhere)
-            affinity[index, others] = np.exp(-(gaps - gaps.min()) / CONTACT_SCALE).mean(axis=1)
-    for flat in np.argsort(-affinity, axis=None, kind="stable"):
-        index, other = divmod(int(flat), len(bodies))
-        if affinity[index, other] < 0:
-            break
-        if parents[index] is None and other not in descendants(parents, index):
-            parents[index] = other
-    return parents
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,127 @@
+"""Parents of bodies: the kinematic tree whose bodies have most contact with their parents.
+
+Each possible parent of a body has a weight, the share of the body's surface in contact with it. The tree with the largest
+product of weights is found as a maximum spanning arborescence (J. Edmonds, "Optimum branchings", 1967). A fork has more contact
+with its wheel than with its chair. Still it is not the wheel's child, because then the wheel would hang on the chair, which it
+hardly touches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinmo import _core
+from kinmo.core.joint import Joint, JointKind
+from kinmo.core.vector import Vector
+from kinmo.features.group_geometry import CONTACT_SCALE
+from kinmo.features.shape_geometry import ShapeGeometry
+
+F64 = NDArray[np.float64]
+
+CONTACT_SAMPLES = 512
+"""Surface samples of a body that its contact with other bodies is measured at."""
+MOVING_WEIGHT = 0.6
+"""Factor of the weight of parents that move: most parts hang on what rests."""
+MIN_WEIGHT = 0.01
+"""Weight that is added to all: that of a body far away."""
+MAX_PARENTS = 6
+"""Largest number of possible parents of a body, beside the best one that rests."""
+PARALLEL = 0.98
+"""Least cosine of the angle between directions that are called parallel."""
+OVERLAP = 0.2
+"""Share of the smaller of two outlines that must lie in the other one for a slider to be behind another one."""
+REST = -1
+"""Node of the tree that bodies at rest hang on."""
+KNOWN, ALONE = 1e3, -1e3
+"""Logarithmic weights of a known parent, and of none for a body that moves."""
+
+
+def find_parents(
+    geometry: ShapeGeometry,
+    bodies: Sequence[Sequence[int]],
+    joints: Sequence[Joint | None],
+    known: Sequence[int | None] | None = None,
+) -> list[int | None]:
+    """Find the parent of every body that moves.
+
+    What is attached to a body is not its parent, and sliders that move side by side, such as keys, do not carry each other.
+
+    Args:
+        geometry: Geometry of the leaves.
+        bodies: Positions of the leaves of each body.
+        joints: Joint of each body, in the normalised frame. None for bodies at rest.
+        known: Parent of each body where it is known; None where it is not.
+
+    Returns:
+        Index of the parent of each body. None for bodies at rest, and where no body is left.
+    """
+    import networkx
+
+    graph = networkx.DiGraph()
+    graph.add_nodes_from([REST, *range(len(bodies))])
+    for index, joint in enumerate(joints):
+        stated = None if known is None else known[index]
+        if stated is not None:
+            graph.add_edge(stated, index, weight=KNOWN)
+        elif joint is not None:
+            weights = _weights(geometry, bodies, joints, index)
+            for other in _best(weights, joints):
+                graph.add_edge(other, index, weight=float(np.log(weights[other] + MIN_WEIGHT)))
+        graph.add_edge(REST, index, weight=ALONE if joint is not None or stated is not None else 0.0)
+    parents: list[int | None] = [None] * len(bodies)
+    for parent, child in networkx.maximum_spanning_arborescence(graph).edges:
+        parents[child] = None if parent == REST else parent
+    return parents
+
+
+def _weights(
+    geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], joints: Sequence[Joint | None], index: int
+) -> dict[int, float]:
+    """Weights of the possible parents of a body that moves."""
+    points, _ = geometry.surface(bodies[index], CONTACT_SAMPLES)
+    riders = set(geometry.surroundings(bodies[index])[1])
+    others = [place for place, other in enumerate(bodies) if place != index and other and not set(other) <= riders]
+    others = [other for other in others if not _are_beside(geometry, bodies, joints, index, other)] or others
+    if not others:
+        return {}
+    around = [list(bodies[other]) for other in others]
+    gaps, _, _ = _core.closest_points_of_groups(geometry.meshes, around, np.broadcast_to(points, (len(around), *points.shape)))
+    contact = np.exp(-(gaps - gaps.min()) / CONTACT_SCALE).mean(axis=1)
+    return {
+        other: float(share) * (1.0 if joints[other] is None else MOVING_WEIGHT)
+        for other, share in zip(others, contact, strict=True)
+    }
+
+
+def _best(weights: dict[int, float], joints: Sequence[Joint | None]) -> list[int]:
+    """The possible parents with the largest weights, and the best one that rests."""
+    order = sorted(weights, key=lambda other: -weights[other])
+    at_rest = [other for other in order if joints[other] is None]
+    return list(dict.fromkeys([*order[:MAX_PARENTS], *at_rest[:1]]))
+
+
+def _are_beside(
+    geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], joints: Sequence[Joint | None], one: int, other: int
+) -> bool:
+    """True for two sliders in parallel, neither of which is behind the other."""
+    first, second = joints[one], joints[other]
+    if first is None or second is None or not first.kind is second.kind is JointKind.PRISMATIC:
+        return False
+    if abs(float(first.direction @ second.direction)) < PARALLEL:
+        return False
+    low, high = zip(*(_outline(geometry, bodies[body], first.direction) for body in (one, other)), strict=True)
+    shared = np.maximum(np.minimum(*high) - np.maximum(*low), 0.0)
+    smaller = min(float(np.prod(end - begin)) for begin, end in zip(low, high, strict=True))
+    return bool(np.prod(shared) < OVERLAP * smaller)
+
+
+def _outline(geometry: ShapeGeometry, leaves: Sequence[int], direction: Vector) -> tuple[F64, F64]:
+    """Corners [2] of the box around a body, as seen along a direction."""
+    along = int(np.argmax(np.abs(geometry.frame @ direction)))
+    across = np.delete(geometry.frame, along, axis=0)
+    across = across - np.outer(across @ direction, direction)
+    seen = geometry.points[list(leaves)].reshape(-1, 3) @ across.T
+    return seen.min(axis=0), seen.max(axis=0)
