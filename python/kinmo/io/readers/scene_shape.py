@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,10 @@ from kinmo.io.readers.floor_plane import floor_planes
 from kinmo.io.readers.part_hierarchy import MAX_PARTS, has_surface
 from kinmo.io.readers.scene import Scene, SceneNode
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
+from kinmo.io.readers.upright_names import up_by_names
 
+WITHOUT_UP = ("glb", "obj", "ply", "stl", "mesh_folder")
+"""Formats that do not state the up direction, or that other programs often write with another one than theirs."""
 LARGEST_IN_METRES = 20.0
 """Diagonal above which a unit of the file is not a metre."""
 LARGEST_IN_CENTIMETRES = 500.0
@@ -65,6 +69,7 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
     Raises:
         InputError: No mesh has a surface, one closed mesh is all there is, or the labels do not fit.
     """
+    scene = _upright(scene)
     repairs = list(scene.repairs)
     meshes = {index: node.mesh for index, node in enumerate(scene.nodes) if node.mesh is not None}
     nodes = scene.nodes
@@ -104,6 +109,14 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
         meshes = dict(zip(keys[np.unique(own)].tolist(), split_mesh(whole, own), strict=True))
     parts, wrappers = _hierarchy(nodes, meshes)
     return _guessed(scene, parts, wrappers, tuple(repairs), facts)
+
+
+def _upright(scene: Scene) -> Scene:
+    """The scene with the up direction that names of parts tell, where files of the format do not state it."""
+    if scene.layout not in WITHOUT_UP:
+        return scene
+    up = up_by_names((node.name, node.mesh) for node in scene.nodes if node.mesh is not None)
+    return scene if up in (None, scene.up) else replace(scene, up=up, convention="names of parts")
 
 
 def _split(mesh: Mesh, labels: NDArray[np.int64], repairs: list[str]) -> list[Mesh]:
