@@ -13,7 +13,9 @@ from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind
 GRAVITY = 9.81
 """Acceleration in m/s2, along -z."""
 DECAY = 2.0
-"""Rate at which free motion dies out at least, in 1/s. Simulators with explicit time steps bear no damping of light parts."""
+"""Rate at which free motion dies out at least, in 1/s."""
+MAX_DECAY = 60.0
+"""Largest such rate of light parts, in 1/s. Simulators with explicit time steps bear no larger ones."""
 MAX_FALL = 0.5
 """Speed that a part reaches at most when it falls by its weight, in m/s."""
 MAX_HELD = 2.0
@@ -25,7 +27,7 @@ TILT = 1e-3
 HOLD = 1.5
 """Dry friction of joints that hold their part, in forces of its weight."""
 MIN_FRICTION = 0.2
-"""Least dry friction at the rim of a part, in N: a knob does not spin on after a touch."""
+"""Least dry friction at the rim of a part, in N, and least damping at the speed `MAX_FALL`: knobs do not spin on."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +63,9 @@ DEFAULT_PHYSICS = Physics()
 def with_resistance(robot: Robot, physics: Physics) -> Robot:
     """The robot with the damping and the friction of the physics, or the default ones where it states none.
 
-    Default damping is the least at which no part falls faster than `MAX_FALL`, and free motion dies out. Default friction is
-    `MIN_FRICTION`, or more where that holds a part whose weight is at most `MAX_HELD` at its rim.
+    Default damping is the least at which no part falls faster than `MAX_FALL`, free motion dies out, and a light push moves no
+    part faster either. Default friction is `MIN_FRICTION`, or more where that holds a part whose weight is at most `MAX_HELD`
+    at its rim.
     """
     joints = []
     for joint in robot.joints:
@@ -88,13 +91,20 @@ def _default_resistance(robot: Robot, joint: RobotJoint) -> tuple[float, float]:
         upright = level = 1.0
     if joint.kind is RobotJointKind.PRISMATIC:
         force = weight * upright
-        return max(DECAY * body.mass, force / MAX_FALL), _friction(force)
+        return _damping(body.mass, 1.0, force), _friction(force)
     arm = float(np.linalg.norm(np.cross(joint.axis, body.center - origin)))
     points = [visual.mesh.vertices for link in moving for visual in link.visuals]
     reach = max((float(np.linalg.norm(np.cross(joint.axis, each - origin), axis=1).max()) for each in points), default=0.0)
     moment = weight * arm * level  # the largest one while it turns
     inertia = float(joint.axis @ body.inertia @ joint.axis) + body.mass * arm**2
-    return max(DECAY * inertia, moment * reach / MAX_FALL), reach * _friction(moment / max(reach, MIN_REACH))
+    force = moment / max(reach, MIN_REACH)
+    return _damping(inertia, reach, force), reach * _friction(force)
+
+
+def _damping(inertia: float, reach: float, force: float) -> float:
+    """Damping by the inertia, the distance of the rim from the axis (1 for sliders), and the force of the weight there."""
+    light = min(reach**2 * MIN_FRICTION / MAX_FALL, MAX_DECAY * inertia)
+    return max(DECAY * inertia, reach**2 * force / MAX_FALL, light)
 
 
 def _friction(force: float) -> float:
