@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 import pytest
 from articulated import shape_of_boxes
+from hypothesis import given
+from hypothesis import strategies as st
 
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.features.shape_geometry import ShapeGeometry
 from kinmo.features.shape_preparation import prepare_shape
-from kinmo.methods.kinmo.body_parents import find_parents
+from kinmo.methods.kinmo.body_parents import REST, best_tree, find_parents
 
 X, Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 HINGE, SLIDE = Joint(JointKind.REVOLUTE, Y, np.zeros(3)), Joint(JointKind.PRISMATIC, Y, np.zeros(3))
@@ -60,3 +63,27 @@ def test_bodies_in_a_ring_get_a_root(count: int) -> None:
     boxes = [((place, 0, 0), (place + 1, 1, 1)) for place in range(count)]
     found = parents_in(boxes, [HINGE] * count)
     assert found.count(None) == 1
+
+
+def is_tree(parents: Sequence[int]) -> bool:
+    """True if all bodies hang on `REST`."""
+    nodes = range(len(parents))
+    above = list(nodes)
+    for _ in nodes:
+        above = [REST if node == REST else parents[node] for node in above]
+    return all(node == REST for node in above)
+
+
+@given(st.data(), st.integers(1, 5))
+def test_no_tree_has_a_larger_sum_of_weights(data: st.DataObject, count: int) -> None:
+    nodes = [REST, *range(count)]
+    chosen = st.dictionaries(st.sampled_from(nodes), st.floats(-5.0, 0.0), max_size=4)
+    weights = [
+        {parent: weight for parent, weight in data.draw(chosen).items() if parent != child} | {REST: -1e3}
+        for child in range(count)
+    ]
+    found = best_tree(weights)
+    trees = [each for each in product(*weights) if is_tree(each)]
+    assert is_tree(found)
+    total = max(sum(own[parent] for own, parent in zip(weights, tree, strict=True)) for tree in trees)
+    assert sum(own[parent] for own, parent in zip(weights, found, strict=True)) == pytest.approx(total)

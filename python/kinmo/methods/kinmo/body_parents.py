@@ -8,7 +8,7 @@ hardly touches.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,26 +58,53 @@ def find_parents(
     Returns:
         Index of the parent of each body. None for bodies at rest, and where no body is left.
     """
-    import networkx
-
-    graph = networkx.DiGraph()
-    graph.add_nodes_from([REST, *range(len(bodies))])
+    weights: list[dict[int, float]] = []
     for index, joint in enumerate(joints):
         stated = None if known is None else known[index]
         if stated is not None:
-            graph.add_edge(stated, index, weight=KNOWN)
+            weights.append({stated: KNOWN, REST: ALONE})
         elif joint is not None:
-            weights = _weights(geometry, bodies, joints, index)
-            for other in _best(weights, joints):
-                graph.add_edge(other, index, weight=float(np.log(weights[other] + MIN_WEIGHT)))
-        graph.add_edge(REST, index, weight=ALONE if joint is not None or stated is not None else 0.0)
-    parents: list[int | None] = [None] * len(bodies)
-    for parent, child in networkx.maximum_spanning_arborescence(graph).edges:
-        parents[child] = None if parent == REST else parent
+            found = _contacts(geometry, bodies, joints, index)
+            likely = {other: float(np.log(found[other] + MIN_WEIGHT)) for other in _best(found, joints)}
+            weights.append({**likely, REST: ALONE})
+        else:
+            weights.append({REST: 0.0})
+    return [None if parent == REST else parent for parent in best_tree(weights)]
+
+
+def best_tree(weights: Sequence[Mapping[int, float]]) -> list[int]:
+    """Parents with the largest sum of logarithmic weights that make up a tree below `REST`.
+
+    Args:
+        weights: Logarithmic weights of the possible parents of each body, `REST` among them.
+    """
+    parents = [max(own, key=lambda parent: own[parent]) for own in weights]
+    settled = {REST}
+    for start in range(len(parents)):
+        chain = [start]
+        while chain[-1] not in settled and parents[chain[-1]] not in chain:
+            chain.append(parents[chain[-1]])
+        if chain[-1] in settled:
+            settled.update(chain)
+    rest = [index for index in range(len(parents)) if index not in settled]  # they hang on a ring of bodies
+    if rest:
+        import networkx
+
+        graph = networkx.DiGraph()
+        for child in rest:
+            best = max(settled & weights[child].keys(), key=lambda parent: weights[child][parent])
+            graph.add_edge(REST, child, weight=weights[child][best], parent=best)
+            loose = weights[child].keys() - settled
+            graph.add_edges_from(
+                (parent, child, {"weight": weights[child][parent], "parent": parent}) for parent in sorted(loose)
+            )
+        tree = networkx.maximum_spanning_arborescence(graph, preserve_attrs=True)
+        for _, child, parent in tree.edges(data="parent"):
+            parents[child] = parent
     return parents
 
 
-def _weights(
+def _contacts(
     geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], joints: Sequence[Joint | None], index: int
 ) -> dict[int, float]:
     """Weights of the possible parents of a body that moves."""
