@@ -13,6 +13,7 @@ from datasets import box_obj, write_dsg_net, write_partnet
 from gltf_files import PARTS, box, cabinet
 
 import kinmo
+from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.source_files import fingerprint
@@ -74,6 +75,14 @@ def test_the_solids_of_a_text_stl_are_the_parts(tmp_path: Path) -> None:
 def test_vertices_of_an_stl_file_are_shared(tmp_path: Path) -> None:
     trimesh.util.concatenate([box((1, 1, 1)), box((1, 1, 1), (3, 0, 0))]).export(tmp_path / "a.stl")
     assert [len(mesh.vertices) for mesh in kinmo.load(tmp_path / "a.stl").meshes()] == [8, 8]
+
+
+@pytest.mark.parametrize(("length", "got"), [(300, "1284 bytes, as its header says, got 300"), (40, "an STL file with triangles")])
+def test_an_stl_file_that_is_cut_off_is_an_error(length: int, got: str, tmp_path: Path) -> None:
+    trimesh.util.concatenate([box((1, 1, 1)), box((1, 1, 1), (3, 0, 0))]).export(tmp_path / "a.stl")
+    (tmp_path / "a.stl").write_bytes((tmp_path / "a.stl").read_bytes()[:length])
+    with pytest.raises(InputError, match=f"expected {got}: export it again"):
+        kinmo.load(tmp_path / "a.stl")
 
 
 def test_a_ply_file_with_points_alone_is_no_shape(tmp_path: Path) -> None:

@@ -179,7 +179,7 @@ def _read_document(path: Path) -> tuple[JsonField, bytes | None]:
     data = read_bytes(path, path.parent, MAX_SCENE_BYTES)
     if not data.startswith(b"glTF"):
         if path.suffix.lower() == ".glb":
-            raise InputError(path, "expected a binary glTF file")
+            raise InputError(path, "expected a binary glTF file: export it again")
         return parse_json(data, path), None
     chunks = dict(reversed(list(_chunks(data, path))))  # the first one of each type counts
     if b"JSON" not in chunks:
@@ -192,7 +192,7 @@ def _read_document(path: Path) -> tuple[JsonField, bytes | None]:
 def _chunks(data: bytes, path: Path) -> Iterator[tuple[bytes, bytes]]:
     """Type and content of the chunks of a binary glTF file."""
     if len(data) < _HEADER.size:
-        raise InputError(path, "expected a binary glTF file")
+        raise InputError(path, "expected a binary glTF file: export it again")
     _, version, length = _HEADER.unpack_from(data)
     if version != 2:
         raise InputError(path, f"expected version 2 of glTF, got {version}: export it as glTF 2.0")

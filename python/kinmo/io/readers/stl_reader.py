@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import struct
 from pathlib import Path
 
 import numpy as np
 
+from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape
 from kinmo.io.readers.reader import Reader
 from kinmo.io.readers.scene import Scene, SceneBuilder
@@ -18,6 +20,10 @@ from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, read_bytes
 STL = "stl"
 MILLIMETRE = 0.001
 """Unit of large STL files, which CAD tools and slicers write."""
+_FACET = re.compile(rb"^[ \t]*facet\s", re.MULTILINE | re.IGNORECASE)
+_HEADER = struct.Struct("<80xI")
+"""Begin of a binary file, with the number of triangles."""
+TRIANGLE_BYTES = 50
 _SOLID = re.compile(rb"^[ \t]*solid\b[ \t]*([^\r\n]*)", re.MULTILINE | re.IGNORECASE)
 
 
@@ -29,6 +35,7 @@ def read_stl(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
 def read_stl_scene(path: Path) -> Scene:
     """The scene of an STL file: one node for each solid."""
     data = read_bytes(path, path.parent, MAX_SCENE_BYTES)
+    _check_whole(data, path)
     meshes = list(load_meshes(data, "stl", path))
     # trimesh makes repeated names unique and invents missing ones
     names = [match.decode("utf-8", "replace").strip() for match in _SOLID.findall(data)] if len(meshes) > 1 else []
@@ -36,6 +43,17 @@ def read_stl_scene(path: Path) -> Scene:
     for place, mesh in enumerate(meshes):
         builder.add(names[place] if len(names) == len(meshes) else "", mesh=_joined(mesh))
     return builder.scene(STL, "STL", "z", None, MILLIMETRE)
+
+
+def _check_whole(data: bytes, path: Path) -> None:
+    """Raise InputError for a file that is neither text nor as long as its header says."""
+    if _FACET.search(data):
+        return
+    if len(data) < _HEADER.size:
+        raise InputError(path, "expected an STL file with triangles: export it again")
+    length = _HEADER.size + TRIANGLE_BYTES * _HEADER.unpack_from(data)[0]
+    if len(data) < length:
+        raise InputError(path, f"expected {length} bytes, as its header says, got {len(data)}: export it again")
 
 
 def _joined(mesh: Mesh) -> Mesh:
