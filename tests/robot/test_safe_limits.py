@@ -28,9 +28,8 @@ def test_a_drawer_stops_before_a_wall() -> None:
     safe = with_safe_limits(robot)
     assert safe.joints[0].lower == 0.0
     assert safe.joints[0].upper == pytest.approx(0.38, abs=0.03)
-    assert stop_notes(robot.joints, safe.joints) == (
-        f"front_joint stops at 0 and {1000 * safe.joints[0].upper:.0f} mm: it hits a part or leaves its place beyond",
-    )
+    stop = f"front_joint stops at 0 and {1000 * safe.joints[0].upper:.0f} mm instead of 0 and 600"
+    assert stop_notes(robot.joints, safe.joints) == (f"{stop}: it hits a part or leaves its place beyond",)
 
 
 def test_a_door_stops_before_a_wall() -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from kinmo.core.categories import known_category, similar_category
-from kinmo.core.errors import InputError, expecting
+from kinmo.core.errors import InputError
 from kinmo.core.frames import y_up_rotation
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
@@ -26,7 +26,6 @@ from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.discover import ShapeSource
 from kinmo.io.folder_lock import locked
-from kinmo.io.readers.mesh_folder_reader import MESH_FOLDER
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.result_folder import write_result
@@ -36,19 +35,15 @@ from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.learning.model_folder import ModelFolder
 from kinmo.methods import load_trained_or_shipped
 from kinmo.methods.method import Method
-from kinmo.pipeline.joint_lines import joint_lines
 from kinmo.pipeline.network_jobs import network_runner
+from kinmo.pipeline.prediction_summary import notes_about, summary_of
 from kinmo.pipeline.prediction_targets import prediction_targets
 from kinmo.pipeline.removed_formats import EarlierResult, removed_line
 from kinmo.pipeline.result_export import apply_overrides
 from kinmo.robot.collision_geometry import CollisionMode
 
 SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
-SUSPICIOUS_SIZE = 20.0  # diagonal in metres above which an object is probably in millimetres
-MAX_REPAIRED_LINES = 40  # repaired shapes that are listed on the terminal; joints.json and --json have all repairs
 MAX_LISTED_SHAPES = 10  # largest number of shapes whose joints are listed on the terminal
-NO_JOINTS = "  no joints found"
-DOUBTFUL = 0.7  # mean score of joints below which a guessed up direction is doubtful
 JOINTS_JSON = "joints_json"  # format that every result has
 
 
@@ -100,36 +95,17 @@ class PredictShapes:
                 if folder in problems:
                     skipped.append(problems[folder])
                 else:
-                    document, joints = _summary(found, folder)
+                    document, own = summary_of(found, folder)
                     documents.append(document)
-                    category = clean_text(document["category"]) or "unknown"
-                    lines += [f"{clean_text(found.id)} (category {category})", *(joints or [NO_JOINTS])]
+                    lines += own
             except InputError as error:
                 skipped.append(str(error))
                 observer.problem(f"skipped: {error}")
-        repaired = [document for document in documents if document["repairs"]]
-        for document in repaired[:MAX_REPAIRED_LINES]:
-            observer.note(f"repaired: {document['id']}: {'; '.join(document['repairs'])}")
-        for document in [document for document in documents if document["notes"]][:MAX_REPAIRED_LINES]:
-            observer.note(f"export of {document['id']}: {'; '.join(document['notes'])}")
-        for line in _guess_lines(documents):
+        for line in notes_about(documents, uncorrected):
             observer.note(line)
-        for document in documents:
-            if (size := document["diagonal"] * document["metres_per_unit"]) > SUSPICIOUS_SIZE:
-                observer.note(f"{document['id']}: {size:.0f} m across: set --metres-per-unit if the file is not in metres")
-            folder = Path(document["folder"])
-            if document["corrected"] and folder not in uncorrected:
-                observer.note(f"{document['id']}: corrected by {folder / OVERRIDES_FILE}")
-            if document["layout"] == MESH_FOLDER:
-                observer.note(
-                    f"{document['id']}: its mesh files are the parts of one shape: name files singly if each is a shape"
-                )
-            if "up" in document["guessed"] and document["joints"] and document["mean_score"] < DOUBTFUL:
-                observer.note(f"{document['id']}: low scores: is another axis up? (--up z, --up y)")
-            if document["parts"] < 2:
-                observer.note(f"{document['id']}: has one part, so nothing can move: cut it into one node per moving part")
+        repaired = sum(bool(document["repairs"]) for document in documents)
         count = counted(sum(document["joints"] for document in documents), "joint")
-        repairs = f", {len(repaired)} repaired" if repaired else ""
+        repairs = f", {repaired} repaired" if repaired else ""
         total = f"{counted(len(documents), 'shape')}, {count}{repairs}, {len(skipped)} skipped"
         text = "\n".join([*lines, total]) if len(documents) <= MAX_LISTED_SHAPES else total
         data = {"shapes": documents, "skipped": skipped, "uncorrected": list(uncorrected.values())}
@@ -240,46 +216,6 @@ class PredictionWriter:
         except OSError as error:
             problem = f"{printable_path(str(error.filename or job.folder))}: {error.strerror or error}"
             return str(InputError(job.found.path, problem))
-
-
-def _summary(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str]]:
-    """Short facts about the prediction in a folder, and a line for each joint."""
-    with expecting("joints.json of kinmo predict", folder / FILE_NAME):
-        document = json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))
-        shape, bodies = document["shape"], document["bodies"]
-        lines = joint_lines(document)
-        summary = {
-            "id": found.id,
-            "source": printable_path(found.path),
-            "folder": str(folder),
-            "category": str(shape["category"]),
-            "layout": str(shape["layout"]),
-            "parts": sum(len(body["parts"]) for body in bodies),
-            "joints": len(lines),
-            "mean_score": float(
-                np.mean([body["estimates"][0]["score"] for body in bodies if body["joint"] is not None] or [0.0])
-            ),
-            "urdf": str(folder / f"{folder.name}.urdf"),
-            "diagonal": float(shape["diagonal"]),
-            "metres_per_unit": float(shape["metres_per_unit"]),
-            "guessed": {str(name): str(line) for name, line in shape["guessed"].items()},
-            "repairs": [str(repair) for repair in shape.get("repairs", ())],
-            "notes": [str(note) for note in document.get("export", {}).get("notes", ())],
-            "corrected": "correction" in document,
-        }
-    return summary, lines
-
-
-def _guess_lines(documents: Sequence[dict[str, Any]]) -> list[str]:
-    """Lines about guesses: one line for all shapes with the same guesses."""
-    ids: dict[str, list[str]] = {}
-    for document in documents:
-        if document["guessed"]:
-            options = ", ".join(f"--{name.replace('_', '-')}" for name in document["guessed"])
-            ids.setdefault(f"{', '.join(document['guessed'].values())} (if wrong: {options})", []).append(document["id"])
-    if len(documents) == 1:
-        return [f"guessed: {line}" for line in ids]
-    return [f"guessed for {counted(len(same), 'shape')}, such as {same[0]}: {line}" for line, same in ids.items()]
 
 
 def _source(found: ShapeSource) -> str:

@@ -58,10 +58,13 @@ def stop_notes(before: Sequence[RobotJoint], after: Sequence[RobotJoint]) -> tup
     """A note for each joint that got other limits."""
     found = []
     for old, new in zip(before, after, strict=True):
-        if (old.lower, old.upper) != (new.lower, new.upper) and new.lower is not None and new.upper is not None:
-            unit, scale = ("mm", 1000.0) if new.kind is RobotJointKind.PRISMATIC else ("degrees", math.degrees(1.0))
-            ends = f"{scale * new.lower:.0f} and {scale * new.upper:.0f} {unit}"
-            found.append(f"{new.name} stops at {ends}: it hits a part or leaves its place beyond")
+        limits = new.lower, new.upper, old.lower, old.upper
+        if limits[:2] == limits[2:] or None in limits:
+            continue
+        unit, scale = ("mm", 1000.0) if new.kind is RobotJointKind.PRISMATIC else ("degrees", math.degrees(1.0))
+        low, high, least, most = (f"{scale * limit:.0f}" for limit in limits if limit is not None)
+        ends = f"{low} and {high} {unit} instead of {least} and {most}"
+        found.append(f"{new.name} stops at {ends}: it hits a part or leaves its place beyond")
     return tuple(found)
 
 

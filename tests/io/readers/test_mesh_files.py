@@ -77,11 +77,11 @@ def test_vertices_of_an_stl_file_are_shared(tmp_path: Path) -> None:
     assert [len(mesh.vertices) for mesh in kinmo.load(tmp_path / "a.stl").meshes()] == [8, 8]
 
 
-@pytest.mark.parametrize(("length", "got"), [(300, "1284 bytes, as its header says, got 300"), (40, "an STL file with triangles")])
+@pytest.mark.parametrize(("length", "got"), [(300, "1284 bytes, as its header says, got 300"), (40, "an STL file")])
 def test_an_stl_file_that_is_cut_off_is_an_error(length: int, got: str, tmp_path: Path) -> None:
     trimesh.util.concatenate([box((1, 1, 1)), box((1, 1, 1), (3, 0, 0))]).export(tmp_path / "a.stl")
     (tmp_path / "a.stl").write_bytes((tmp_path / "a.stl").read_bytes()[:length])
-    with pytest.raises(InputError, match=f"expected {got}: export it again"):
+    with pytest.raises(InputError, match=f"expected {got}.*: export it again"):
         kinmo.load(tmp_path / "a.stl")
 
 
