@@ -13,12 +13,17 @@ from kinmo.core.errors import expecting
 from kinmo.core.wording import clean_text, printable_path
 from kinmo.io.discover import ShapeSource
 from kinmo.io.readers.mesh_folder_reader import MESH_FOLDER
+from kinmo.io.readers.obj_scene_reader import OBJ
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
+from kinmo.io.readers.ply_reader import PLY
+from kinmo.io.readers.stl_reader import STL
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.pipeline.joint_lines import joint_lines
 
 SUSPICIOUS_SIZE = 20.0
 """Diagonal in metres above which an object is probably in millimetres."""
+WITH_ANY_UP = (OBJ, PLY, STL, MESH_FOLDER)
+"""Formats whose files have different axes up."""
 DOUBTFUL = 0.7
 """Mean score of joints below which a guessed up direction is doubtful."""
 MAX_NOTED_SHAPES = 40
@@ -77,7 +82,8 @@ def notes_about(documents: Sequence[dict[str, Any]], uncorrected: Container[Path
             yield f"{name}: corrected by {folder / OVERRIDES_FILE}"
         if document["layout"] == MESH_FOLDER:
             yield f"{name}: its mesh files are the parts of one shape: name files singly if each is a shape"
-        if "up" in document["guessed"] and document["joints"] and document["mean_score"] < DOUBTFUL:
+        is_guess = document["layout"] in WITH_ANY_UP and "up" in document["guessed"]
+        if is_guess and document["joints"] and document["mean_score"] < DOUBTFUL:
             yield f"{name}: low scores: is another axis up? (--up z, --up y)"
         if document["parts"] < 2:
             yield f"{name}: has one part, so nothing can move: cut it into one node per moving part"
