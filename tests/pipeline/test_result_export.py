@@ -18,6 +18,7 @@ from kinmo.core.joint import JointKind, joint_from_data
 from kinmo.io.readers import read_partnet_mobility
 from kinmo.io.readers.urdf_reader import read_robot_file
 from kinmo.io.result_folder import read_result
+from kinmo.pipeline.export_results import ExportResults
 from kinmo.pipeline.result_export import (
     UNCHECKED,
     WITHOUT_CATEGORY,
@@ -175,7 +176,7 @@ def test_predict_applies_overrides_that_are_new_changed_or_gone(tmp_path: Path) 
 
 def test_predict_keeps_overrides_when_the_shape_has_changed(tmp_path: Path) -> None:
     folder = result_in(tmp_path)
-    export(folder)
+    assert ExportResults(folder).run(Recorder()).failed == 0
     write_cabinet_glb(tmp_path / "cabinet.glb", ("frame", "door", "handle", "front", "box"))
     assert isinstance(export_result(ExportJob(folder, folder)), str)
     outcome = predict_cabinets(tmp_path / "cabinet.glb", tmp_path / "out")
