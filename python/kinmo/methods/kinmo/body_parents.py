@@ -64,7 +64,7 @@ def find_parents(
         if stated is not None:
             weights.append({stated: KNOWN, REST: ALONE})
         elif joint is not None:
-            found = _contacts(geometry, bodies, joints, index)
+            found = contacts(geometry, bodies, joints, index)
             likely = {other: float(np.log(found[other] + MIN_WEIGHT)) for other in _best(found, joints)}
             weights.append({**likely, REST: ALONE})
         else:
@@ -104,10 +104,17 @@ def best_tree(weights: Sequence[Mapping[int, float]]) -> list[int]:
     return parents
 
 
-def _contacts(
+def contacts(
     geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], joints: Sequence[Joint | None], index: int
 ) -> dict[int, float]:
-    """Weights of the possible parents of a body that moves."""
+    """Weights of the possible parents of a body that moves, for the arguments of `find_parents`.
+
+    Args:
+        index: The body.
+
+    Returns:
+        Share of the body's surface in contact with each other body, from 0 to 1, less for bodies that move.
+    """
     points, _ = geometry.surface(bodies[index], CONTACT_SAMPLES)
     riders = set(geometry.surroundings(bodies[index])[1])
     others = [place for place, other in enumerate(bodies) if place != index and other and not set(other) <= riders]
