@@ -79,6 +79,15 @@ def test_inertia_is_physically_possible(size: tuple[float, float, float]) -> Non
     assert most <= least + middle + 1e-12
 
 
+@pytest.mark.parametrize("gap", [0.0, 1e-9, 2e-5])
+def test_a_surface_with_two_sides_has_the_mass_of_its_box(gap: float) -> None:
+    sphere = trimesh.creation.icosphere(2, 0.3)
+    vertices = np.concatenate([sphere.vertices, sphere.vertices * (1.0 - gap / 0.3)])
+    both = Mesh(vertices, np.concatenate([sphere.faces, sphere.faces[:, ::-1] + len(sphere.vertices)]))
+    assert not is_solid(both)
+    assert inertial_of([both]).mass == pytest.approx(inertial_of([Mesh(vertices, sphere.faces[1:])]).mass, rel=1e-3)
+
+
 def test_a_link_without_parts_is_a_tiny_ball() -> None:
     found = inertial_of([])
     assert found.mass == MIN_MASS

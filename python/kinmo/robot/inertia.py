@@ -18,6 +18,8 @@ MIN_MASS = 0.01
 """Least mass of a link in kg."""
 MIN_EXTENT = 1e-3
 """Least extent of a box with a mass, in metres."""
+MIN_THICKNESS = 0.1 * MIN_EXTENT
+"""Least mean thickness of a solid, in metres: twice its volume over its area."""
 _BALL = Inertial(MIN_MASS, np.zeros(3), MIN_MASS / 6.0 * MIN_EXTENT**2 * np.eye(3))
 """A link without parts."""
 
@@ -81,7 +83,7 @@ def _solid_moments(mesh: Mesh) -> tuple[float, Vector, Vector] | None:
     if has_border(mesh):
         return None
     volume, first, second = _moments(mesh)
-    if volume <= 0.0:
+    if 2.0 * volume < MIN_THICKNESS * mesh.face_areas.sum():  # such as that of two sheets, which rounding makes positive
         return None
     spread = second / volume - np.outer(first, first) / volume**2
     return (volume, first, second) if np.linalg.eigvalsh(spread)[0] >= MIN_EXTENT**2 / 12.0 else None
