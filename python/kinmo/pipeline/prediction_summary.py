@@ -1,4 +1,4 @@
-"""What people are told about predictions: a line for each joint, and notes about guesses, repairs and exports."""
+"""Summary of predictions for people: a line for each joint, and notes about guesses, repairs and exports."""
 
 from __future__ import annotations
 
