@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinmo.core.categories import MAX_CATEGORY_BYTES, canonical_category, same_category, similar_category
+from kinmo.core.categories import MAX_CATEGORY_BYTES, canonical_category, same_category
 
 
 @pytest.mark.parametrize(
@@ -28,20 +28,6 @@ def test_all_spellings_of_a_category_match(one, other):
 )
 def test_different_categories_do_not_match(one: str, other: str) -> None:
     assert not same_category(one, other)
-
-
-@pytest.mark.parametrize(
-    ("name", "known"),
-    [
-        ("refrigarator", "Refrigerator"),
-        ("storagefurnitur", "StorageFurniture"),
-        ("Tresor", ""),
-        ("laptop", ""),
-        ("door_set", ""),
-    ],
-)
-def test_misspelled_categories_have_a_known_one_near(name: str, known: str) -> None:
-    assert similar_category(name) == known
 
 
 @pytest.mark.parametrize("name", ["garden_gnome", "GardenGnome", "Garden gnome", "garden-gnome"])

@@ -369,11 +369,20 @@ def test_the_terminal_shows_every_joint_and_its_score(
     assert lines == ["cabinet (category Cabinet)", f"  door: hinge, 0 to 90°, {words}", "1 shape, 1 joint, 0 skipped"]
 
 
-def test_a_misspelled_category_is_noted(stage: PredictShapes) -> None:
+@pytest.mark.parametrize(
+    ("category", "note"),
+    [
+        ("Refrigarator", ["--category Refrigarator is new to kinmo (did you mean Refrigerator?)"]),
+        ("storage_furnitur", ["--category storage_furnitur is new to kinmo (did you mean StorageFurniture?)"]),
+        ("Tresor", ["--category Tresor is new to kinmo"]),
+        ("door_set", []),
+    ],
+)
+def test_a_category_that_is_new_is_noted(stage: PredictShapes, category: str, note: list[str]) -> None:
     write_partnet(stage.sources[0] / "door")
     recorder = Recorder()
-    replace(stage, facts=StatedFacts(category="Refrigarator")).run(recorder)
-    assert "--category Refrigarator is new to kinmo (did you mean Refrigerator?)" in recorder.notes
+    replace(stage, facts=StatedFacts(category=category)).run(recorder)
+    assert [line for line in recorder.notes if line.startswith("--category")] == note
 
 
 def test_an_empty_file_is_named_and_leaves_no_path(stage: PredictShapes) -> None:

@@ -110,11 +110,11 @@ def predict(
     workspace = Workspace(options.workspace)
     of_scans = {"--intrinsics": intrinsics, "--depth-scale": depth_scale}
     has_camera = any(value is not None for value in of_scans.values())
-    if any(_has_scans(path, category is not None, has_camera) for path in shapes):
+    if scan := next((path for path in shapes if _has_scans(path, category is not None, has_camera)), None):
         of_shapes = {"--up": up, "--front": front, "--metres-per-unit": metres_per_unit, "--labels": labels}
         refuse({**of_shapes, "--cluster": cluster}, "applies only to shapes; remove it, or name a shape")
         if category is None:
-            problem = f"a scan such as {shapes[0]} needs --category, the category of the object in it; a shape needs faces"
+            problem = f"a scan such as {scan} needs --category, the category of the object in it; a shape needs faces"
             raise BadParameter(problem, param_hint="--category")
         if len(shapes) > 1:
             raise BadParameter("expected one scan, or one folder of scans", param_hint="SHAPE...")
@@ -122,7 +122,7 @@ def predict(
         from kinmo.scans.files.camera_intrinsics import Intrinsics
 
         scans = PredictScans(
-            shapes[0],
+            scan,
             out,
             workspace,
             category,

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from difflib import get_close_matches
 
-_KNOWN = (
+KNOWN_CATEGORIES = (
     "Bag", "Bed", "Bottle", "Bowl", "Box", "Bucket", "Camera", "Cart", "Chair", "Clock", "CoffeeMachine", "Dishwasher",
     "Dispenser", "Display", "Door", "Earphone", "Eyeglasses", "Fan", "Faucet", "FoldingChair", "Globe", "Hat", "Kettle",
     "Keyboard", "KitchenPot", "Knife", "Lamp", "Laptop", "Lighter", "Luggage", "Microwave", "Mouse", "Mug", "Oven",
@@ -23,8 +22,6 @@ _ALIASES = {"doorset": "Door", "cuttinginstrument": "Knife", "garbagecan": "Tras
 _WORD_CHARACTERS = "LMN"
 """Unicode classes that belong to words: letters, marks and digits."""
 _WORD_START = re.compile(r"(?<=[^\W\d_])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])")
-MIN_SIMILARITY = 0.85
-"""Least similarity of a misspelled name, by difflib: one wrong letter of seven."""
 MAX_CATEGORY_BYTES = 80
 """Longest name of an unknown category, in bytes of UTF-8."""
 
@@ -36,7 +33,7 @@ def _words(name: str) -> list[str]:
     return "".join(letter if unicodedata.category(letter)[0] in _WORD_CHARACTERS else " " for letter in apart).split()
 
 
-_SPELLING = {"".join(_words(name)): name for name in (*_KNOWN, *_PROCEDURAL)} | _ALIASES
+_SPELLING = {"".join(_words(name)): name for name in (*KNOWN_CATEGORIES, *_PROCEDURAL)} | _ALIASES
 
 
 def canonical_category(name: str) -> str:
@@ -57,13 +54,6 @@ def canonical_category(name: str) -> str:
 def known_category(name: str) -> str:
     """The canonical spelling of a known category. Empty if the name is none."""
     return _SPELLING.get("".join(_words(name)), "")
-
-
-def similar_category(name: str) -> str:
-    """The known category that the name of an unknown one is probably misspelled for. Empty if there is none."""
-    joined = "".join(_words(name))
-    near = [] if joined in _SPELLING else get_close_matches(joined, _SPELLING, n=1, cutoff=MIN_SIMILARITY)
-    return _SPELLING[near[0]] if near else ""
 
 
 def same_category(one: str, other: str) -> bool:

@@ -39,10 +39,13 @@ class InputError(KinmoError, ValueError):
     """A file or value of the user cannot be used. The message names the file, the field, and what was expected."""
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """`" (did you mean x?)"` with the known name most similar to an unknown one; empty if none is similar."""
+def did_you_mean(name: str, known: Iterable[str], least: float = 0.6) -> str:
+    """`" (did you mean x?)"` with the known name most similar to an unknown one; empty if none is.
+
+    `least` is the least similarity by difflib, from 0 to 1.
+    """
     spelled = {each.lower(): each for each in known}
-    near = get_close_matches(name.lower(), spelled, n=1)
+    near = get_close_matches(name.lower(), spelled, n=1, cutoff=least)
     return f" (did you mean {spelled[near[0]]}?)" if near else ""
 
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from kinmo.core.categories import known_category, similar_category
-from kinmo.core.errors import InputError
+from kinmo.core.categories import KNOWN_CATEGORIES, known_category
+from kinmo.core.errors import InputError, did_you_mean
 from kinmo.core.frames import y_up_rotation
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
@@ -44,6 +44,7 @@ from kinmo.robot.collision_geometry import CollisionMode
 
 SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
 MAX_LISTED_SHAPES = 10  # largest number of shapes whose joints are listed on the terminal
+MISSPELLED = 0.85  # similarity to a known category above which another one is probably misspelled
 JOINTS_JSON = "joints_json"  # format that every result has
 
 
@@ -82,9 +83,8 @@ class PredictShapes:
         writer = self._writer()
         observer.note(f"networks: {writer.method.networks}")
         if self.facts.category and not known_category(self.facts.category):
-            near = similar_category(self.facts.category)
-            hint = f"did you mean {near}?" if near else "its words count as a part's name does"
-            observer.note(f"--category {clean_text(self.facts.category)} is new to kinmo ({hint})")
+            near = did_you_mean(self.facts.category, KNOWN_CATEGORIES, MISSPELLED)
+            observer.note(f"--category {clean_text(self.facts.category)} is new to kinmo{near}")
         with locked(self.out):
             problems = self._predict(targets, writer, observer)
             uncorrected = apply_overrides([folder for _, folder in targets if folder not in problems], observer)

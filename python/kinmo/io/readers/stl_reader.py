@@ -21,6 +21,8 @@ STL = "stl"
 MILLIMETRE = 0.001
 """Unit of large STL files, which CAD tools and slicers write."""
 _FACET = re.compile(rb"^[ \t]*facet\s", re.MULTILINE | re.IGNORECASE)
+TEXT_START = 1 << 16
+"""Bytes at the beginning of a text file that its first triangle is in."""
 _HEADER = struct.Struct("<80xI")
 """Begin of a binary file, with the number of triangles."""
 TRIANGLE_BYTES = 50
@@ -47,7 +49,7 @@ def read_stl_scene(path: Path) -> Scene:
 
 def _check_whole(data: bytes, path: Path) -> None:
     """Raise InputError for a file that is neither text nor as long as its header says."""
-    if _FACET.search(data):
+    if _FACET.search(data, 0, TEXT_START):
         return
     if len(data) < _HEADER.size:
         raise InputError(path, "expected an STL file with triangles: export it again")
