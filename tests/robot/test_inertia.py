@@ -88,6 +88,11 @@ def test_a_surface_with_two_sides_has_the_mass_of_its_box(gap: float) -> None:
     assert inertial_of([both]).mass == pytest.approx(inertial_of([Mesh(vertices, sphere.faces[1:])]).mass, rel=1e-3)
 
 
+def test_a_closed_mesh_without_area_is_no_solid() -> None:
+    tetrahedron = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], np.uint32)
+    assert not is_solid(Mesh(np.zeros((4, 3)), tetrahedron))
+
+
 def test_a_link_without_parts_is_a_tiny_ball() -> None:
     found = inertial_of([])
     assert found.mass == MIN_MASS

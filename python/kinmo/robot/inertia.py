@@ -83,7 +83,7 @@ def _solid_moments(mesh: Mesh) -> tuple[float, Vector, Vector] | None:
     if has_border(mesh):
         return None
     volume, first, second = _moments(mesh)
-    if 2.0 * volume < MIN_THICKNESS * mesh.face_areas.sum():  # such as that of two sheets, which rounding makes positive
+    if 2.0 * volume <= MIN_THICKNESS * mesh.face_areas.sum():  # such as that of two sheets, which rounding makes positive
         return None
     spread = second / volume - np.outer(first, first) / volume**2
     return (volume, first, second) if np.linalg.eigvalsh(spread)[0] >= MIN_EXTENT**2 / 12.0 else None
