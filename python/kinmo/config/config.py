@@ -27,7 +27,7 @@ class Config:
     axis: AxisConfig
     """Axis-selection network."""
     grouping: GroupingConfig
-    """Grouping network."""
+    """Grouping networks."""
     ranking: RankingConfig
     """Ranking networks."""
     ancsh: AncshConfig

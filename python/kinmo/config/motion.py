@@ -120,7 +120,7 @@ class AxisConfig:
 
 @dataclass(frozen=True)
 class GroupingConfig:
-    """Grouping network of kinmo's own method."""
+    """Grouping networks of kinmo's own method."""
 
     training: TrainingConfig
     """Training."""
@@ -128,6 +128,8 @@ class GroupingConfig:
         default_factory=lambda: TrainingConfig(4, 5e-4, weight_decay=1e-2, decay_epochs=0, average=0.99, keep="last", threads=1)
     )
     """Continued training from trained weights (`--from`)."""
+    members: Count = 3
+    """Number of networks whose logits are averaged."""
     width: Count = 96
     """Width of the states of leaves and pairs."""
     rounds: Count = 4

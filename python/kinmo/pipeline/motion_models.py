@@ -56,7 +56,7 @@ class Continuation:
 
 
 CONTINUED: dict[str, Continuation] = {
-    "grouping": Continuation(GROUPING, ("width", "rounds", "word_features")),
+    "grouping": Continuation(GROUPING, ("members", "width", "rounds", "word_features")),
     "ranking": Continuation(RANKING, ("members", "width", "word_features")),
     "limits": Continuation(LIMITS, ("width", "word_features")),
 }

@@ -120,7 +120,7 @@ class TrainMotion:
                 task = replace(task, fit=fit, before=partial(forms.prepare, (*training, *validation)))
                 grouping = task if model == "grouping" else grouping
             elif model == "ranking":
-                assert grouping is not None, "the grouping network is trained first"
+                assert grouping is not None, "the grouping networks are trained first"
                 needs = _Proposals(forms, trainer, grouping, training, validation)
                 fit = partial(_fit_on_proposals, needs, train, section, options)
                 task = replace(task, fit=fit, wave=1, before=partial(needs.prepare, section))
@@ -129,7 +129,7 @@ class TrainMotion:
 
 @dataclass(frozen=True)
 class _Proposals:
-    """Input of the ranking networks: forms of shapes, with proposals of a grouping network that is trained first."""
+    """Input of the ranking networks: forms of shapes, with proposals of grouping networks that are trained first."""
 
     forms: TrainingForms
     trainer: NetworkTrainer
@@ -139,7 +139,7 @@ class _Proposals:
 
     @property
     def weights(self) -> Path:
-        """Weights of the grouping network."""
+        """Weights of the grouping networks."""
         return self.trainer.weights_of(self.grouping)
 
     def prepare(self, config: RankingConfig, observer: Observer) -> None:

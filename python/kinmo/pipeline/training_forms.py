@@ -1,6 +1,6 @@
 """Forms of labelled shapes that the `kinmo` method learns from: as they are, as users' files, and as loose pieces.
 
-The forms are prepared once, into the workspace. Later the candidate joints of the bodies that the grouping network proposes are
+The forms are prepared once, into the workspace. Later the candidate joints of the bodies that the grouping networks propose are
 added to them (`add_proposals`).
 """
 
@@ -94,11 +94,11 @@ class TrainingForms:
     def add_proposals(
         self, entries: Sequence[IndexEntry], grouping: Path, config: RankingConfig, key: str, observer: Observer
     ) -> None:
-        """Add the candidate joints of bodies that a grouping network proposes to the prepared forms of some shapes.
+        """Add the candidate joints of bodies that grouping networks propose to the prepared forms of some shapes.
 
         Args:
             entries: Shapes whose forms are prepared.
-            grouping: Weights of the grouping network.
+            grouping: Weights of the grouping networks.
             config: Configuration of the ranking networks.
             key: Digest of everything that the weights depend on.
             observer: Receiver of progress.

@@ -36,7 +36,7 @@ def rank_bodies(
     """Ranked joints of every body, best first, in the normalised frame and without limits.
 
     Args:
-        grouped: The shape, as the grouping network joins its leaves; its annotation is not used.
+        grouped: The shape, as the grouping networks join its leaves; its annotation is not used.
         geometry: Geometry of the leaves. Needed for bodies that the shape was not prepared with.
         bodies: Positions of the leaves of each body.
         ranker: Trained ranking networks.

@@ -92,7 +92,7 @@ class KinmoMethod(Method):
         return ShapeEstimate(shape.id, shape.category, frame.undo_mobility(Mobility(bodies)), estimates, (), self.name)
 
     def _grouped(self, shape: PreparedShape) -> GroupedShape:
-        """The shape as the grouping network joins its leaves."""
+        """The shape as the grouping networks join its leaves."""
         grouper: PartGrouper = self._network("grouping", shape)
         return group_shape(shape, grouper, shows_names=not self.hide_names)
 

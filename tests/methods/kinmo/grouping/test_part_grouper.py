@@ -1,4 +1,4 @@
-"""Training of the grouping network, and prediction by it."""
+"""Training of the grouping networks, and prediction by them."""
 
 from __future__ import annotations
 
@@ -15,13 +15,18 @@ from kinmo.core.shape_forms import flat_parts, flat_shape
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.methods.kinmo.grouping.grouping_batches import collate_graphs
+from kinmo.methods.kinmo.grouping.grouping_network import mean_logits
 from kinmo.methods.kinmo.grouping.grouping_training import train_part_grouping
 from kinmo.methods.kinmo.grouping.leaf_graph import leaf_graph
 from kinmo.methods.kinmo.grouping.merge_tree import merge_leaves
 from kinmo.methods.kinmo.grouping.part_grouper import PartGrouper
 
 CONFIG = GroupingConfig(
-    TrainingConfig(epochs=12, learning_rate=8e-3, decay_epochs=0, keep="last", threads=1), width=16, rounds=2, batch_graphs=4
+    TrainingConfig(epochs=12, learning_rate=8e-3, decay_epochs=0, keep="last", threads=1),
+    members=2,
+    width=16,
+    rounds=2,
+    batch_graphs=4,
 )
 
 
@@ -76,11 +81,11 @@ def test_hidden_names_and_hierarchy_are_not_seen(shapes, weights: Path) -> None:
 
 
 def test_a_batch_gives_the_logits_of_single_graphs(shapes, weights: Path) -> None:
-    network = PartGrouper.load(weights, "cpu").network
+    networks = PartGrouper.load(weights, "cpu").networks
     graphs = [graph for shape in shapes[:3] if (graph := leaf_graph(shape)) is not None]
     with torch.inference_mode():
-        together = network(collate_graphs(graphs))[0]
-        alone = torch.cat([network(collate_graphs([graph]))[0] for graph in graphs])
+        together = mean_logits(networks, collate_graphs(graphs))[0]
+        alone = torch.cat([mean_logits(networks, collate_graphs([graph]))[0] for graph in graphs])
     assert torch.allclose(together, alone, atol=1e-4)
     half = len(graphs[0].pairs) // 2
     assert torch.equal(alone[:half], alone[half : 2 * half])
@@ -101,4 +106,5 @@ def test_weights_of_another_network_are_refused(weights: Path, tmp_path: Path) -
         (tmp_path / name).write_bytes((weights.parent / name).read_bytes().replace(b"part_grouping", b"joint_ranking"))
     with pytest.raises(InputError, match="kind"):
         PartGrouper.load(tmp_path / "weights.safetensors", "cpu")
-    assert np.isfinite(PartGrouper.load(weights, "cpu").network.leaf_mean.numpy()).all()
+    means = [network.leaf_mean for network in PartGrouper.load(weights, "cpu").networks]
+    assert all(torch.isfinite(mean).all() for mean in means)

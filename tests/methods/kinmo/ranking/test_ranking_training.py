@@ -18,7 +18,7 @@ from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.methods.kinmo.grouping.grouping_training import train_part_grouping
 from kinmo.methods.kinmo.ranking.joint_ranker import JointRanker
-from kinmo.methods.kinmo.ranking.ranking_training import train_joint_ranking
+from kinmo.methods.kinmo.ranking.ranking_training import RankingData, train_joint_ranking
 from kinmo.methods.kinmo.ranking.shape_views import ShapeView, view_of_bodies
 
 SCHEDULE = TrainingConfig(epochs=2, learning_rate=1e-3, decay_epochs=0, keep="last")
@@ -115,6 +115,19 @@ def test_weights_of_other_sizes_are_refused_as_a_start(shapes, grouping, started
     options = {"grouping": grouping, "device": "cpu", "initial": started}
     with pytest.raises(InputError, match=r"weights\.safetensors"):
         train_joint_ranking(shapes[:2], shapes[2:], replace(CONFIG, width=24), tmp_path, **options)
+
+
+def test_batches_hold_views_of_similar_size_and_every_view_once(shapes) -> None:
+    view = body_view(shapes[0])
+    sizes = [1, 2] * CONFIG.batch_views
+    views = [replace(view, groups=view.groups[:n], words=view.words[:n], context=view.context[:n]) for n in sizes]
+    views = [replace(each, targets=view.targets[:n], weights=view.weights[:n]) for each, n in zip(views, sizes, strict=True)]
+    data = RankingData(views, views, CONFIG)
+    batches = list(data.training_batches(0, np.random.default_rng(0)))
+    assert len(batches) == data.steps == 2
+    found = [torch.bincount(batch.view_of).tolist() for batch in batches]
+    assert all(len(set(own)) == 1 for own in found)
+    assert sorted(size for own in found for size in own) == sorted(sizes)
 
 
 def test_shapes_without_joints_are_refused(shapes, grouping: Path, tmp_path: Path) -> None:

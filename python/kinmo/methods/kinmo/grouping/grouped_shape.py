@@ -1,4 +1,4 @@
-"""A shape whose leaves the grouping network has joined: proposals of bodies, and how well each holds together.
+"""A shape whose leaves the grouping networks have joined: proposals of bodies, and how well each holds together.
 
 Proposals are the leaves, the nodes of the merge tree, and the nodes of the hierarchy where it is shown. The ranking networks
 decide which of them move.
@@ -27,7 +27,7 @@ COHESION_FEATURES = 11
 
 @dataclass(frozen=True, eq=False)
 class GroupedShape:
-    """A prepared shape, what the grouping network says of its leaves, and what the network was shown.
+    """A prepared shape, what the grouping networks say of its leaves, and what the networks were shown.
 
     Attributes:
         shape: The shape.
@@ -95,14 +95,14 @@ def group_shape(
     noise: float = 0.0,
     rng: np.random.Generator | None = None,
 ) -> GroupedShape:
-    """Join the leaves of a shape by a grouping network.
+    """Join the leaves of a shape by trained grouping networks.
 
     Args:
         shape: The shape; its annotation is not used.
-        grouper: The network.
-        shows_names: Show the names of the parts to the network.
+        grouper: The networks.
+        shows_names: Show the names of the parts to the networks.
         shows_hierarchy: Show the hierarchy, if there is one.
-        noise: Standard deviation of noise on the logits, for training: the network is too sure of shapes that it has seen.
+        noise: Standard deviation of noise on the logits, for training: the networks are too sure of shapes that they have seen.
         rng: Source of the noise.
     """
     graph = leaf_graph(shape)

@@ -1,4 +1,4 @@
-"""Batches of leaf graphs for the grouping network."""
+"""Batches of leaf graphs for the grouping networks."""
 
 from __future__ import annotations
 

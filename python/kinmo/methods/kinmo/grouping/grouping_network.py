@@ -82,6 +82,17 @@ class GroupingNetwork(nn.Module):
         return 0.5 * (logits + logits[batch.reverse]), self.moves(leaf)[:, 0].float()
 
 
+def grouping_networks(config: GroupingConfig, leaf_features: int, pair_features: int) -> nn.ModuleList:
+    """`config.members` networks of the same sizes."""
+    return nn.ModuleList(GroupingNetwork(leaf_features, pair_features, config) for _ in range(config.members))
+
+
+def mean_logits(networks: nn.ModuleList, batch: GroupingBatch) -> tuple[Tensor, Tensor]:
+    """The networks' mean logits of pairs that are one body [E], and of leaves that move [L]."""
+    same_body, moves = zip(*(network(batch) for network in networks), strict=True)
+    return torch.stack(same_body).mean(dim=0), torch.stack(moves).mean(dim=0)
+
+
 def grouping_loss(same_body: Tensor, moves: Tensor, batch: GroupingBatch) -> Tensor:
     """Binary cross-entropy of pairs, a mean over graphs, and that of moving leaves with a small weight."""
     pairs = nn.functional.binary_cross_entropy_with_logits(same_body, batch.same_body, reduction="none")

@@ -1,4 +1,4 @@
-"""Training of the grouping network."""
+"""Training of the grouping networks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,13 @@ from kinmo.learning.learner import Learner, adam_options
 from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import load_weights, save_weights
 from kinmo.methods.kinmo.grouping.grouping_batches import GroupingBatch, collate_graphs
-from kinmo.methods.kinmo.grouping.grouping_network import KIND, GroupingNetwork, grouping_loss
+from kinmo.methods.kinmo.grouping.grouping_network import (
+    KIND,
+    GroupingNetwork,
+    grouping_loss,
+    grouping_networks,
+    mean_logits,
+)
 from kinmo.methods.kinmo.grouping.leaf_graph import LeafGraph, leaf_graph
 
 WARM_UP = 0.1
@@ -43,7 +49,7 @@ def train_part_grouping(
     on_progress: Callable[[Progress], None] | None = None,
     initial: Path | None = None,
 ) -> FitResult:
-    """Train a grouping network on annotated shapes, with the arguments and results of `train_motion_gnn`.
+    """Train grouping networks on annotated shapes, with the arguments and results of `train_motion_gnn`.
 
     Training that starts from `initial` weights has the schedule `config.continued`.
 
@@ -61,7 +67,7 @@ def train_part_grouping(
     data = GroupingData(graphs[0], graphs[1], config)
     learner = GroupingLearner(config, data)
     if start is not None:
-        start.fill(learner.network)
+        start.fill(learner.networks)
     result = fit(learner, data, run_dir, seed=seed, device=device, fingerprint=fingerprint, on_progress=on_progress)
     facts: dict[str, Any] = {
         "seed": seed,
@@ -72,7 +78,7 @@ def train_part_grouping(
         "leaf_features": data.widths[0],
         "pair_features": data.widths[1],
     }
-    save_weights(run_dir / "weights.safetensors", learner.network, KIND, to_table(config), facts)
+    save_weights(run_dir / "weights.safetensors", learner.networks, KIND, to_table(config), facts)
     return result
 
 
@@ -118,25 +124,27 @@ class GroupingData:
 
 
 class GroupingLearner(Learner):
-    """Cross-entropy of the pairs; the best epoch has the smallest share of wrong pairs, a mean over validation graphs."""
+    """Cross-entropy of every network; the best epoch has the smallest share of wrong pairs, a mean over validation graphs."""
 
     schedule_every_step = True
 
     def __init__(self, config: GroupingConfig, data: GroupingData) -> None:
         super().__init__(config.training)
-        self.network = GroupingNetwork(*data.widths, config)
-        self.network.standardize(data.sample.leaves, data.sample.contact)
-        self.network.silence_unknown_words(data.words)
+        self.networks = grouping_networks(config, *data.widths)
+        for network in self.networks:
+            assert isinstance(network, GroupingNetwork)
+            network.standardize(data.sample.leaves, data.sample.contact)
+            network.silence_unknown_words(data.words)
         self.steps = data.steps * config.training.epochs
 
     def training_step(self, batch: GroupingBatch) -> torch.Tensor:
-        same_body, moves = self.network(batch)
-        loss = grouping_loss(same_body, moves, batch)
-        self.log("training", batch.graphs, loss=loss)
-        return loss
+        outputs = [network(batch) for network in self.networks]
+        losses = torch.stack([grouping_loss(same_body, moves, batch) for same_body, moves in outputs])
+        self.log("training", batch.graphs, loss=losses.mean())
+        return losses.sum()
 
     def validation_step(self, batch: GroupingBatch) -> None:
-        same_body, moves = self.network(batch)
+        same_body, moves = mean_logits(self.networks, batch)
         wrong = ((same_body > 0).float() - batch.same_body).abs()
         error = (wrong * batch.weights).sum() / batch.weights.sum().clamp_min(1e-9)
         self.log("validation", batch.graphs, loss=grouping_loss(same_body, moves, batch), error=error)

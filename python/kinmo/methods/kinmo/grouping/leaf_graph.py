@@ -1,4 +1,4 @@
-"""The contact graph of a shape's leaves as the grouping network reads it: features, names, hierarchy and true labels."""
+"""The contact graph of a shape's leaves as the grouping networks read it: features, names, hierarchy and true labels."""
 
 from __future__ import annotations
 

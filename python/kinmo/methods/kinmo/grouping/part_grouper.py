@@ -1,4 +1,4 @@
-"""Prediction by a trained grouping network."""
+"""Prediction by trained grouping networks."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import nn
 
 from kinmo.config import GroupingConfig
 from kinmo.learning.weights import load_weights, pick_device
 from kinmo.methods.kinmo.grouping.grouping_batches import collate_graphs
-from kinmo.methods.kinmo.grouping.grouping_network import KIND, GroupingNetwork
+from kinmo.methods.kinmo.grouping.grouping_network import KIND, grouping_networks, mean_logits
 from kinmo.methods.kinmo.grouping.leaf_graph import LeafGraph
 
 F64 = NDArray[np.float64]
@@ -20,7 +21,7 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Grouping:
-    """Answers of the network about a shape with L leaves and P pairs of touching leaves.
+    """Answers of the networks about a shape with L leaves and P pairs of touching leaves.
 
     Attributes:
         pairs ([P, 2] int64): Positions of the leaves, each pair once.
@@ -34,10 +35,10 @@ class Grouping:
 
 
 class PartGrouper:
-    """A trained grouping network. `hide_names` hides the names of parts from it."""
+    """Trained grouping networks, whose mean logits count. `hide_names` hides the names of parts from them."""
 
-    def __init__(self, network: GroupingNetwork, device: str, hide_names: bool) -> None:
-        self.network, self.device, self.hide_names = network.to(device).eval(), device, hide_names
+    def __init__(self, networks: nn.ModuleList, device: str, hide_names: bool) -> None:
+        self.networks, self.device, self.hide_names = networks.to(device).eval(), device, hide_names
 
     @classmethod
     def load(cls, weights: Path, device: str = "auto", hide_names: bool = False) -> PartGrouper:
@@ -49,15 +50,15 @@ class PartGrouper:
         device = pick_device(device)
         loaded = load_weights(weights, KIND)
         leaf_features, pair_features = loaded.sizes("leaf_features", "pair_features")
-        network = GroupingNetwork(leaf_features, pair_features, loaded.typed_config(GroupingConfig))
-        loaded.fill(network)
-        return cls(network, device, hide_names)
+        networks = grouping_networks(loaded.typed_config(GroupingConfig), leaf_features, pair_features)
+        loaded.fill(networks)
+        return cls(networks, device, hide_names)
 
     @torch.inference_mode()
     def group(self, graph: LeafGraph, *, hide_names: bool = False, hide_hierarchy: bool = False) -> Grouping:
         """Probabilities for the leaves of a shape, with names and hierarchy shown unless they are hidden."""
         hidden = float(self.hide_names or hide_names)
         batch = collate_graphs([graph], hide_names=hidden, hide_hierarchy=float(hide_hierarchy))
-        same_body, moves = self.network(batch.to(torch.device(self.device)))
+        same_body, moves = mean_logits(self.networks, batch.to(torch.device(self.device)))
         half = len(graph.pairs) // 2
         return Grouping(graph.pairs[:half], same_body[:half].cpu().double().numpy(), moves.sigmoid().cpu().double().numpy())

@@ -26,7 +26,7 @@ class RankingBatch:
         word_group ([W] int64): Group of each word.
         targets ([C] float32): Target probabilities of the candidates.
         rest_targets ([U] float32): Target probabilities of rest.
-        weights ([U] float32): Weights of the groups in the loss; their sum is the number of views.
+        weights ([U] float32): Weights of the groups in the loss.
     """
 
     candidates: Tensor
@@ -89,5 +89,5 @@ def collate_views(
         torch.tensor(word_group, dtype=torch.long),
         torch.from_numpy(np.concatenate(targets).astype(np.float32)),
         torch.tensor([1.0 - target.sum() for target in targets], dtype=torch.float32),
-        torch.from_numpy((weights * (len(views) / max(weights.sum(), 1e-12))).astype(np.float32)),
+        torch.from_numpy(weights.astype(np.float32)),
     )

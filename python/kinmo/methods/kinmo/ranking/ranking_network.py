@@ -129,10 +129,10 @@ def correct_probability(log_candidates: Tensor, log_rest: Tensor, batch: Ranking
     """Weighted mean probability of the candidates with a positive target, and of rest, each in proportion to their targets."""
     right = torch.zeros_like(log_rest).index_add(0, batch.group_of, log_candidates.exp() * (batch.targets > 0))
     each = log_rest.exp() * batch.rest_targets + right * (1.0 - batch.rest_targets)
-    return (each * batch.weights).sum() / batch.weights.sum()
+    return (each * batch.weights).sum() / batch.weights.sum().clamp_min(1e-12)
 
 
 def ranking_loss(log_candidates: Tensor, log_rest: Tensor, batch: RankingBatch) -> Tensor:
     """Weighted mean cross-entropy of the groups against their soft targets."""
     each = -(batch.rest_targets * log_rest).index_add(0, batch.group_of, batch.targets * log_candidates)
-    return (each * batch.weights).sum() / batch.weights.sum()
+    return (each * batch.weights).sum() / batch.weights.sum().clamp_min(1e-12)

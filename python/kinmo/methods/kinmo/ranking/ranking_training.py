@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import nn
 from torch.optim.lr_scheduler import OneCycleLR
 
@@ -38,8 +39,10 @@ WARM_UP = 0.1
 """Share of the steps in which the learning rate rises."""
 STANDARDIZATION_VIEWS = 512
 """Largest number of views that mean and scale of the features are computed from."""
-VALIDATION_VIEWS = 64
+VALIDATION_VIEWS = 16
 """Views per batch in validation."""
+POOLED_BATCHES = 24
+"""Batches that a draw of views fills by size: views of one batch have about as many groups, so attention pads few."""
 
 
 def train_joint_ranking(
@@ -57,7 +60,7 @@ def train_joint_ranking(
 ) -> FitResult:
     """Train ranking networks on annotated shapes, with the arguments and results of `train_motion_gnn`.
 
-    `grouping` are the weights of the grouping network whose proposals are ranked. Training that starts from `initial` weights
+    `grouping` are the weights of the grouping networks whose proposals are ranked. Training that starts from `initial` weights
     has the schedule `config.continued`.
 
     Raises:
@@ -108,6 +111,7 @@ class RankingData:
         self.training, self.validation, self.config = training, validation, config
         spread = np.linspace(0, len(training) - 1, min(STANDARDIZATION_VIEWS, len(training))).astype(int)
         self.sample = collate_views([training[i] for i in spread])
+        self.batch_weight = config.batch_views * float(np.mean([view.weights.sum() for view in training]))
         self.widths = self.sample.candidates.shape[1], self.sample.groups.shape[1]
 
     @property
@@ -125,8 +129,12 @@ class RankingData:
 
     def training_batches(self, epoch: int, rng: np.random.Generator) -> Iterator[RankingBatch]:
         """Batches of one epoch."""
-        order = rng.permutation(len(self.training))
-        for some in np.array_split(order, self.steps):
+        order, size = rng.permutation(len(self.training)), self.config.batch_views
+        batches: list[NDArray[np.int64]] = []
+        for start in range(0, len(order), POOLED_BATCHES * size):
+            pool = sorted(order[start : start + POOLED_BATCHES * size], key=lambda view: len(self.training[view].groups))
+            batches += np.array_split(np.array(pool), math.ceil(len(pool) / size))
+        for some in (batches[place] for place in rng.permutation(len(batches))):
             yield collate_views(
                 [self.training[i] for i in some],
                 rng=rng,
@@ -157,12 +165,13 @@ class RankingLearner(Learner):
             network.standardize(data.sample.candidates, data.sample.groups)
             network.silence_unknown_words(data.words)
         self.steps = data.steps * config.training.epochs
+        self.batch_weight = data.batch_weight
 
     def training_step(self, batch: RankingBatch) -> torch.Tensor:
         outputs = [network(batch) for network in self.networks]
         losses = torch.stack([ranking_loss(candidates, rest, batch) for candidates, rest in outputs])
         self.log("training", len(batch.groups), loss=losses.mean())
-        return losses.sum()
+        return losses.sum() * (batch.weights.sum() / self.batch_weight)  # a batch of large views weighs more
 
     def validation_step(self, batch: RankingBatch) -> None:
         candidates, rest = mean_log_probabilities(self.networks, batch)

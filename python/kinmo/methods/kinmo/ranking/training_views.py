@@ -20,7 +20,7 @@ from kinmo.methods.kinmo.ranking.shape_views import (
 )
 
 NOISE = (0.5, 1.0)
-"""Least and largest noise on the logits of the grouping network, which is too sure of shapes that it was trained on."""
+"""Least and largest noise on the logits of the grouping networks, which are too sure of shapes that it was trained on."""
 
 Group = tuple[int, ...]
 
@@ -55,7 +55,7 @@ def _views(shape: PreparedShape, grouper: PartGrouper, config: RankingConfig) ->
 
 
 def _groupings(shape: PreparedShape, grouper: PartGrouper, config: RankingConfig) -> list[GroupedShape]:
-    """The shape as the grouping network joins it, with the hierarchy if there is one, and without.
+    """The shape as the grouping networks join it, with the hierarchy if there is one, and without.
 
     What is hidden is drawn for the shape, the same at every call.
     """
