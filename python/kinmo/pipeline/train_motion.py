@@ -33,7 +33,7 @@ SECONDS_PER_SHAPE = {
     "gnn_fine": 0.004,
     "gnn_coarse": 0.004,
     "axis": 0.02,
-    "grouping": 0.02,
+    "grouping": 0.06,
     "ranking": 0.1,
     "limits": 0.001,
     "gnn_contact": 0.004,
