@@ -134,9 +134,9 @@ class RankingData:
         for start in range(0, len(order), POOLED_BATCHES * size):
             pool = sorted(order[start : start + POOLED_BATCHES * size], key=lambda view: len(self.training[view].groups))
             batches += np.array_split(np.array(pool), math.ceil(len(pool) / size))
-        for some in (batches[place] for place in rng.permutation(len(batches))):
+        for place in rng.permutation(len(batches)):
             yield collate_views(
-                [self.training[i] for i in some],
+                [self.training[i] for i in batches[place]],
                 rng=rng,
                 hide_group=self.config.hide_group_names,
                 hide_category=self.config.hide_categories,

@@ -20,7 +20,7 @@ from kinmo.methods.kinmo.ranking.shape_views import (
 )
 
 NOISE = (0.5, 1.0)
-"""Least and largest noise on the logits of the grouping networks, which are too sure of shapes that it was trained on."""
+"""Least and largest noise on the logits of the grouping networks, which are too sure of shapes that they were trained on."""
 
 Group = tuple[int, ...]
 
