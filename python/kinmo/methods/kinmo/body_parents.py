@@ -8,7 +8,7 @@ hardly touches.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,12 +59,13 @@ def find_parents(
         Index of the parent of each body. None for bodies at rest, and where no body is left.
     """
     weights: list[dict[int, float]] = []
+    beside = sliders_beside(geometry, bodies, joints)
     for index, joint in enumerate(joints):
         stated = None if known is None else known[index]
         if stated is not None:
             weights.append({stated: KNOWN, REST: ALONE})
         elif joint is not None:
-            found = contacts(geometry, bodies, joints, index)
+            found = contacts(geometry, bodies, joints, index, beside[index])
             likely = {other: float(np.log(found[other] + MIN_WEIGHT)) for other in _best(found, joints)}
             weights.append({**likely, REST: ALONE})
         else:
@@ -105,12 +106,17 @@ def best_tree(weights: Sequence[Mapping[int, float]]) -> list[int]:
 
 
 def contacts(
-    geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], joints: Sequence[Joint | None], index: int
+    geometry: ShapeGeometry,
+    bodies: Sequence[Sequence[int]],
+    joints: Sequence[Joint | None],
+    index: int,
+    beside: Collection[int],
 ) -> dict[int, float]:
     """Weights of the possible parents of a body that moves, for the arguments of `find_parents`.
 
     Args:
         index: The body.
+        beside: Bodies that it does not hang on, unless there are no others.
 
     Returns:
         Share of the body's surface in contact with each other body, from 0 to 1, less for bodies that move.
@@ -118,7 +124,7 @@ def contacts(
     points, _ = geometry.surface(bodies[index], CONTACT_SAMPLES)
     riders = set(geometry.surroundings(bodies[index])[1])
     others = [place for place, other in enumerate(bodies) if place != index and other and not set(other) <= riders]
-    others = [other for other in others if not _are_beside(geometry, bodies, joints, index, other)] or others
+    others = [other for other in others if other not in beside] or others
     if not others:
         return {}
     around = [list(bodies[other]) for other in others]
@@ -137,25 +143,37 @@ def _best(weights: dict[int, float], joints: Sequence[Joint | None]) -> list[int
     return list(dict.fromkeys([*order[:MAX_PARENTS], *at_rest[:1]]))
 
 
-def _are_beside(
-    geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], joints: Sequence[Joint | None], one: int, other: int
-) -> bool:
-    """True for two sliders in parallel, neither of which is behind the other."""
-    first, second = joints[one], joints[other]
-    if first is None or second is None or not first.kind is second.kind is JointKind.PRISMATIC:
-        return False
-    if abs(float(first.direction @ second.direction)) < PARALLEL:
-        return False
-    low, high = zip(*(_outline(geometry, bodies[body], first.direction) for body in (one, other)), strict=True)
-    shared = np.maximum(np.minimum(*high) - np.maximum(*low), 0.0)
-    smaller = min(float(np.prod(end - begin)) for begin, end in zip(low, high, strict=True))
-    return bool(np.prod(shared) < OVERLAP * smaller)
+def sliders_beside(geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], joints: Sequence[Joint | None]) -> list[set[int]]:
+    """For every body that slides: the sliders in parallel that are neither behind it nor in front of it."""
+    found: list[set[int]] = [set() for _ in bodies]
+    sliders = {
+        place: joint.direction
+        for place, joint in enumerate(joints)
+        if joint is not None and joint.kind is JointKind.PRISMATIC and bodies[place]
+    }
+    seen_along: dict[bytes, tuple[F64, F64]] = {}
+    for one, direction in sliders.items():
+        others = [other for other in sliders if other != one and abs(float(direction @ sliders[other])) >= PARALLEL]
+        if not others:
+            continue
+        key = direction.tobytes()
+        if key not in seen_along:
+            seen_along[key] = _outlines(geometry, bodies, direction)
+        low, high = seen_along[key]
+        shared = np.prod(np.maximum(np.minimum(high[one], high[others]) - np.maximum(low[one], low[others]), 0.0), axis=1)
+        areas = np.prod(high - low, axis=1)
+        apart = shared < OVERLAP * np.minimum(areas[one], areas[others])
+        found[one] = {other for other, is_apart in zip(others, apart, strict=True) if is_apart}
+    return found
 
 
-def _outline(geometry: ShapeGeometry, leaves: Sequence[int], direction: Vector) -> tuple[F64, F64]:
-    """Corners [2] of the box around a body, as seen along a direction."""
+def _outlines(geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], direction: Vector) -> tuple[F64, F64]:
+    """Lower and upper corners [B, 2] of the boxes around all bodies, as seen along a direction; 0 for empty ones."""
     along = int(np.argmax(np.abs(geometry.frame @ direction)))
     across = np.delete(geometry.frame, along, axis=0)
     across = across - np.outer(across @ direction, direction)
-    seen = geometry.points[list(leaves)].reshape(-1, 3) @ across.T
-    return seen.min(axis=0), seen.max(axis=0)
+    seen = geometry.points @ across.T
+    low, high = seen.min(axis=1), seen.max(axis=1)
+    lows = [low[list(body)].min(axis=0) if body else np.zeros(2) for body in bodies]
+    highs = [high[list(body)].max(axis=0) if body else np.zeros(2) for body in bodies]
+    return np.stack(lows), np.stack(highs)
