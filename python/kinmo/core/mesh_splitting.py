@@ -1,4 +1,4 @@
-"""Parts of a mesh by labels of its faces: splitting, and merging of the smallest parts where there are too many."""
+"""Parts of a mesh: by labels of its faces, merging of the smallest parts where there are too many, and by a plane."""
 
 from __future__ import annotations
 
@@ -41,6 +41,21 @@ def merge_small_parts(mesh: Mesh, labels: NDArray[np.int64], most: int) -> NDArr
     target = np.arange(len(sizes))
     target[small] = labels[faces[nearest]]
     return np.asarray(target[labels], np.int64)
+
+
+def cut_mesh(mesh: Mesh, normal: NDArray[np.float64], level: float) -> Mesh:
+    """What of a mesh lies at or above a plane, without its look.
+
+    Args:
+        mesh: the mesh.
+        normal: [3] unit vector across the plane.
+        level: distance of the plane from the origin along it.
+    """
+    from trimesh.intersections import slice_faces_plane  # trimesh takes long to import, and few commands need it
+
+    faces = mesh.faces.astype(np.int64)
+    vertices, faces, _ = slice_faces_plane(mesh.vertices, faces, normal, level * normal)  # type: ignore[no-untyped-call]
+    return Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32).reshape(-1, 3)).compact
 
 
 def _points_on(mesh: Mesh, faces: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -16,6 +16,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from kinmo import _core
 from kinmo.core.loose_pieces import has_border, pieces_of_faces
+from kinmo.core.mesh_splitting import cut_mesh
 from kinmo.core.shape import Mesh
 from kinmo.robot.convex_hulls import box_of, hull_of, volume_of
 
@@ -131,7 +132,7 @@ def cut_at_faces(piece: Mesh, diagonal: float) -> list[F64] | None:
         if plane is None:
             return None
         known = (*planes, plane)
-        for half in (_cut(widest, plane.normal, plane.level), _cut(widest, -plane.normal, -plane.level)):
+        for half in (cut_mesh(widest, plane.normal, plane.level), cut_mesh(widest, -plane.normal, -plane.level)):
             for part in _apart(half) if len(half.faces) else []:
                 if np.ptp(plane.heights(part.vertices)) <= slack:
                     continue  # faces in the plane of the cut belong to the other side
@@ -155,7 +156,7 @@ def bisected(piece: Mesh, diagonal: float) -> list[F64]:
         _, widest = waiting.pop()
         center, axes, _ = box_of(widest.vertices)
         for normal in (axes[0], -axes[0]):
-            half = _cut(widest, normal, float(normal @ center))
+            half = cut_mesh(widest, normal, float(normal @ center))
             depth = concavity(half, hull_of(half.vertices, MIN_THICKNESS * diagonal)) if len(half.faces) else 0.0
             if depth > CONVEX_TOLERANCE * diagonal:
                 waiting.append((depth, half))
@@ -230,12 +231,3 @@ def _apart(mesh: Mesh) -> list[Mesh]:
     low, high = (np.array([getattr(points, end)(axis=0) for points in corners]) for end in ("min", "max"))
     _, group = connected_components(np.all((low[:, None] <= high) & (high[:, None] >= low), axis=2))
     return [Mesh(mesh.vertices, mesh.faces[group[pieces] == number]).compact for number in range(int(group.max()) + 1)]
-
-
-def _cut(mesh: Mesh, normal: F64, level: float) -> Mesh:
-    """The part of a surface at or above `level` along a unit vector."""
-    from trimesh.intersections import slice_faces_plane  # trimesh takes long to import, and few exports need it
-
-    faces = mesh.faces.astype(np.int64)
-    vertices, faces, _ = slice_faces_plane(mesh.vertices, faces, normal, level * normal)  # type: ignore[no-untyped-call]
-    return Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.uint32)).compact
