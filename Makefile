@@ -57,7 +57,7 @@ demo: $(SETUP_STAMP) ## the whole road on procedural shapes, scans of laptops in
 	$(KINMO) eval --workspace $(DEMO)/workspace
 	$(KINMO) report --workspace $(DEMO)/workspace
 
-weights: $(SETUP_STAMP) ## train the networks that come with kinmo again, from a seed (about two and a half hours on two cores)
+weights: $(SETUP_STAMP) ## train the networks that come with kinmo again, from a seed (several hours on two cores)
 	$(KINMO) synth $(WEIGHTS)/partnet --count $(WEIGHTS_COUNT) --layout partnet_mobility
 	$(KINMO) prepare $(WEIGHTS)/partnet --workspace $(WEIGHTS)/workspace
 	$(KINMO) train kinmo --config shipped --workspace $(WEIGHTS)/workspace
