@@ -110,7 +110,7 @@ def contacts(
     bodies: Sequence[Sequence[int]],
     joints: Sequence[Joint | None],
     index: int,
-    beside: Collection[int],
+    beside: Collection[int] = (),
 ) -> dict[int, float]:
     """Weights of the possible parents of a body that moves, for the arguments of `find_parents`.
 
