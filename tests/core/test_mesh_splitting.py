@@ -18,10 +18,10 @@ def test_the_two_sides_of_a_plane_are_the_whole_mesh(part: int, share: float, ax
     normal, heights = np.eye(3)[axis], mesh.vertices[:, axis]
     level = float(heights.min() + share * np.ptp(heights))
     above, below = cut_mesh(mesh, normal, level), cut_mesh(mesh, -normal, -level)
-    in_plane = mesh.face_areas[np.all(np.abs(mesh.triangles[:, :, axis] - level) < 1e-8, axis=1)].sum()
+    in_plane = mesh.face_areas[np.all(np.abs(mesh.triangles[:, :, axis] - level) < 1e-7, axis=1)].sum()
     both = above.face_areas.sum() + below.face_areas.sum()
-    assert both - mesh.face_areas.sum() == pytest.approx(0.0, abs=in_plane + 1e-9)
-    assert (above.vertices[:, axis] >= level - 1e-9).all() and (below.vertices[:, axis] <= level + 1e-9).all()
+    assert both - mesh.face_areas.sum() == pytest.approx(0.0, abs=in_plane + 1e-6)
+    assert (above.vertices[:, axis] >= level - 1e-7).all() and (below.vertices[:, axis] <= level + 1e-7).all()
 
 
 def test_nothing_of_a_mesh_lies_above_a_plane_above_it() -> None:
