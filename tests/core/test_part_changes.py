@@ -5,18 +5,11 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from small_shapes import cabinet_shape
+from small_shapes import area_by_body, cabinet_shape
 
 from kinmo.core.part_changes import changed_parts
 from kinmo.core.shape import bounds_of
-from kinmo.core.shape_forms import FlatPart, flat_parts
-
-
-def area_by_body(parts: list[FlatPart]) -> dict[int | None, float]:
-    areas: dict[int | None, float] = {}
-    for part in parts:
-        areas[part.body] = areas.get(part.body, 0.0) + float(part.mesh.face_areas.sum())
-    return areas
+from kinmo.core.shape_forms import flat_parts
 
 
 @settings(max_examples=60)

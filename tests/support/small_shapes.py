@@ -16,6 +16,7 @@ from kinmo.core.motion_types import motion_type
 from kinmo.core.normalisation import Normalisation
 from kinmo.core.oriented_box import CORNER_SIGNS
 from kinmo.core.shape import Mesh, Part, Shape
+from kinmo.core.shape_forms import FlatPart
 from kinmo.features.prepared_shape import Boxes, PreparedShape
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -134,3 +135,11 @@ def cabinet_shape(seed: int = 0) -> tuple[Shape, dict[int, BoxSpec]]:
 def cabinet(seed: int = 0, points: int = 128) -> PreparedShape:
     """The prepared shape of `cabinet_shape`."""
     return prepare_boxes(*cabinet_shape(seed), points=points, seed=seed)
+
+
+def area_by_body(parts: list[FlatPart]) -> dict[int | None, float]:
+    """Surface area of the parts of each body."""
+    areas: dict[int | None, float] = {}
+    for part in parts:
+        areas[part.body] = areas.get(part.body, 0.0) + float(part.mesh.face_areas.sum())
+    return areas
