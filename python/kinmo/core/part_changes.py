@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.loose_pieces import loose_pieces
-from kinmo.core.part_fragments import block, point_on
+from kinmo.core.part_fragments import block, random_face
 from kinmo.core.shape import Mesh, bounds_of, join
 from kinmo.core.shape_forms import FlatPart
 
@@ -118,7 +118,7 @@ def _studded(parts: list[FlatPart], rng: np.random.Generator, diagonal: float) -
     studs: list[FlatPart] = []
     for _ in range(int(np.exp(rng.uniform(0.0, np.log(MAX_STUDS))))):
         host = hosts[rng.integers(len(hosts))]
-        face = point_on(host.mesh, rng)
+        face = random_face(host.mesh, rng)
         if face is None:
             continue
         place = rng.dirichlet([1.0, 1.0, 1.0]) @ face[0]

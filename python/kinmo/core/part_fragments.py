@@ -74,7 +74,7 @@ def block(center: NDArray[np.float64], half: NDArray[np.float64]) -> Mesh:
     return Mesh(center + CORNER_SIGNS * half, BLOCK_FACES)
 
 
-def point_on(mesh: Mesh, rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+def random_face(mesh: Mesh, rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
     """The corners [3, 3] of a random face, by area, and its normal [3]. None if no face has an area."""
     areas = mesh.face_areas
     if not areas.sum() > 0.0:
@@ -119,11 +119,11 @@ def _details(mesh: Mesh, rng: np.random.Generator, most: int, diagonal: float) -
     """Alike small blocks on the mesh: in a row on one face, or anywhere."""
     number = int(np.exp(rng.uniform(0.0, np.log(most + 1.0))))
     half = float(np.exp(rng.uniform(*np.log(DETAIL_SIZES)))) * diagonal * rng.uniform(0.2, 1.0, 3)
-    start = point_on(mesh, rng)
+    start = random_face(mesh, rng)
     if start is None:
         return []
     if rng.random() < 0.5:
         first, last = rng.dirichlet([1.0, 1.0, 1.0], 2) @ start[0]
         return [block(first + share * (last - first), half) for share in np.linspace(0.0, 1.0, number)]
-    faces = (point_on(mesh, rng) for _ in range(number))
+    faces = (random_face(mesh, rng) for _ in range(number))
     return [block(rng.dirichlet([1.0, 1.0, 1.0]) @ found[0], half) for found in faces if found is not None]
