@@ -49,6 +49,16 @@ def test_a_folder_is_replaced_as_a_whole(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_folder_that_cannot_be_removed_is_left_as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    meshes = tmp_path / "result" / "meshes"
+    meshes.mkdir(parents=True)
+    monkeypatch.setattr("kinmo.io.atomic_files.os.access", lambda path, mode: Path(path) != meshes)  # root may write everywhere
+    with pytest.raises(PermissionError) as caught, write_folder_atomically(tmp_path / "result"):
+        pytest.fail("nothing is to be written")
+    assert caught.value.filename == str(meshes)
+    assert [path.name for path in tmp_path.iterdir()] == ["result"] and meshes.is_dir()
+
+
 def test_drafts_of_killed_runs_are_removed(tmp_path: Path) -> None:
     script = (
         "import os, sys; from pathlib import Path; from kinmo.io.atomic_files import write_atomically\n"

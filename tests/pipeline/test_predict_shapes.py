@@ -227,6 +227,21 @@ def test_removed_files_of_other_formats_are_named(stage: PredictShapes) -> None:
     assert (stage.out / "door" / "door.xml").is_file()
 
 
+@pytest.mark.parametrize("damaged", [False, True])
+def test_files_of_a_user_stay_if_a_shape_is_predicted_again(stage: PredictShapes, damaged: bool) -> None:
+    write_partnet(stage.sources[0] / "door")
+    stage.run(Recorder())
+    folder = stage.out / "door"
+    mine = [folder / "notes.txt", folder / "photos" / "front.txt", folder / "meshes" / "mine.obj"]
+    for path in mine:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(path.name, encoding="utf-8")
+    if damaged:
+        (folder / "joints.json").write_text("{", encoding="utf-8")
+    assert replace(stage, facts=StatedFacts(metres_per_unit=2.0)).run(Recorder()).failed == 0
+    assert [path.read_text(encoding="utf-8") for path in mine] == [path.name for path in mine]
+
+
 def test_a_result_without_its_cache_is_recognised_and_replaced(stage: PredictShapes) -> None:
     write_partnet(stage.sources[0] / "door")
     stage.run(Recorder())

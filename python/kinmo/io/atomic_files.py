@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -29,6 +30,7 @@ def write_atomically(path: Path) -> Iterator[Path]:
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
+    _check_removable(path)
     temporary = path.parent / _TEMPORARY.format(name=path.name)
     replaced = path.parent / _REPLACED.format(name=path.name)
     _remove(temporary)
@@ -104,6 +106,14 @@ def remove_leftovers(folder: Path) -> None:
     for pattern in (_TEMPORARY, _REPLACED):
         for path in Path(folder).rglob(pattern.format(name="*")):
             _remove(path)
+
+
+def _check_removable(path: Path) -> None:
+    """Raise PermissionError if a folder could not be removed as a whole, before anything is written."""
+    if path.is_dir() and not path.is_symlink():
+        for place, _, _ in os.walk(path):
+            if not os.access(place, os.W_OK | os.X_OK):
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), place)
 
 
 def _remove(path: Path) -> None:

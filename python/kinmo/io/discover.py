@@ -22,6 +22,7 @@ _MAX_DEPTH = 64
 _MESHES_OF_OTHERS = ("_obj", "_objs")
 """Endings of folders with the meshes of shapes whose trees are elsewhere (DSG-Net)."""
 _PREDICTION = "joints.json"
+"""The file by which results of kinmo are recognised. The exports beside it are no input shapes."""
 
 
 class _Entry(Protocol):
@@ -118,14 +119,14 @@ def discover(
             yield whole
             if not READERS[whole.layout].is_bare_mesh:
                 continue
-        with_robots = _PREDICTION not in names
+        is_result = _PREDICTION in names
         subfolders = []
         for entry in entries:
             if entry.is_symlink() and not _is_followed(entry, home):
                 continue
             if entry.is_dir():
                 subfolders.append((Path(entry.path), with_meshes and not _has_meshes_of_others(folder, entry.name, names)))
-            elif whole is None and (found := _shape_in_file(Path(entry.path), with_meshes, with_robots)) is not None:
+            elif whole is None and not is_result and (found := _shape_in_file(Path(entry.path), with_meshes)) is not None:
                 yield found
         if depth >= _MAX_DEPTH and subfolders:
             report(InputError(folder, f"folders nested deeper than {_MAX_DEPTH} levels"))
@@ -145,14 +146,9 @@ def _has_meshes_of_others(above: Path, name: str, names: set[str]) -> bool:
     return name.endswith(_MESHES_OF_OTHERS) or (tree in names and READERS[DSG_NET].id_of_file(above / tree) is not None)
 
 
-def _shape_in_file(path: Path, with_meshes: bool = True, with_robots: bool = True) -> ShapeSource | None:
-    """The shape that one file holds. None if no reader recognises it.
-
-    Bare meshes count only `with_meshes`, and robots only `with_robots`.
-    """
-    readers = (
-        each for each in READERS.values() if (with_meshes or not each.is_bare_mesh) and (with_robots or not each.is_robot)
-    )
+def _shape_in_file(path: Path, with_meshes: bool = True) -> ShapeSource | None:
+    """The shape that one file holds. None if no reader recognises it. Bare meshes count only `with_meshes`."""
+    readers = (each for each in READERS.values() if with_meshes or not each.is_bare_mesh)
     ids = ((reader.layout, reader.id_of_file(path)) for reader in readers)
     return next((ShapeSource(path, layout, shape_id) for layout, shape_id in ids if shape_id is not None), None)
 

@@ -28,7 +28,7 @@ from kinmo.io.discover import ShapeSource
 from kinmo.io.folder_lock import locked
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
-from kinmo.io.result_folder import write_result
+from kinmo.io.result_folder import files_below, write_result
 from kinmo.io.source_files import fingerprint
 from kinmo.io.writers import ExportOptions, check_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME
@@ -39,7 +39,7 @@ from kinmo.pipeline.network_jobs import network_runner
 from kinmo.pipeline.prediction_summary import notes_about, summary_of
 from kinmo.pipeline.prediction_targets import prediction_targets
 from kinmo.pipeline.removed_formats import EarlierResult, removed_line
-from kinmo.pipeline.result_export import apply_overrides
+from kinmo.pipeline.result_export import apply_overrides, files_of
 from kinmo.robot.collision_geometry import CollisionMode
 
 SECONDS_PER_SHAPE = 3.0  # estimate, for one CPU core
@@ -131,7 +131,7 @@ class PredictShapes:
                 remedy = "move it away, or name another folder by --out"
                 problems[folder] = str(InputError(edited[0], f"was edited after kinmo wrote it: {remedy}"))
             else:
-                jobs.append(PredictionJob(found, folder, key, _source_in(cache, folder)))
+                jobs.append(PredictionJob(found, folder, key, _source_in(cache, folder), files_of(cache, folder.name)))
         return jobs, problems
 
     def _predict(
@@ -178,12 +178,16 @@ def predict_shape(shape: Shape, method: Method, *, seed: int = 0) -> ShapeEstima
 
 @dataclass(frozen=True)
 class PredictionJob:
-    """One shape to predict into `folder`; `written_for` is the source of the prediction that is there already."""
+    """One shape to predict into `folder`.
+
+    `written_for` is the source of the prediction that is there already, and `replaced` are its files. Other files stay.
+    """
 
     found: ShapeSource
     folder: Path
     key: str
     written_for: str | None
+    replaced: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -210,7 +214,8 @@ class PredictionWriter:
             prediction = predict_shape(shape, self.method, seed=self.seed)
             provenance = PredictionProvenance(self.method.weights, self.method.config)
             options = ExportOptions(job.folder.name, shape.metres_per_unit, provenance=provenance, collision=self.collision)
-            return list(write_result(shape, prediction, job.folder, self.formats, options).files)
+            kept = (set(files_below(job.folder)) - set(job.replaced)) | {OVERRIDES_FILE}
+            return list(write_result(shape, prediction, job.folder, self.formats, options, kept=kept).files)
         except ValueError as error:
             return str(error) if isinstance(error, InputError) else f"{printable_path(job.found.path)}: {error}"
         except OSError as error:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from datasets import write_dsg_net, write_json, write_partnet, write_partnet_mobility
+from predicted_cabinet import write_cabinet_glb
 
 from kinmo.core.errors import InputError
 from kinmo.io.discover import ShapeSource, discover
@@ -72,6 +73,16 @@ def test_hidden_and_excluded_folders_are_skipped(tmp_path):
     write_partnet(tmp_path / "workspace" / "pseudo" / "1")
     write_partnet(tmp_path / "2")
     assert found_in(tmp_path, skip=(tmp_path / "workspace",)) == {("partnet", "2")}
+
+
+def test_exports_beside_a_result_are_no_shapes(tmp_path):
+    file = tmp_path / "cabinet" / "cabinet.glb"
+    file.parent.mkdir()
+    write_cabinet_glb(file)
+    assert [found.path for found in discover(tmp_path)] == [file]
+    write_json(file.with_name("joints.json"), {})
+    assert list(discover(tmp_path)) == []
+    assert [found.path for found in discover(file)] == [file]
 
 
 def test_link_cycles_pipes_and_sockets_do_no_harm(tmp_path):

@@ -27,7 +27,7 @@ class Reader:
         endings: endings of file names for formats that users recognise by them, for messages.
         read_stated: reads the shape at a path with facts that the user states. None if these cannot be labels.
         is_bare_mesh: the format has meshes alone, so that such files also belong to datasets of other formats.
-        is_robot: the format has joints. Files of it beside a joints.json are predictions, and meshes below it belong to it.
+        is_robot: the format has joints. Meshes beside and below a file of it belong to it.
     """
 
     layout: str
