@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synth_objects import bounds_of, link_pieces, link_vertices
 
-from kinmo.synth.details.casework import Fronts, Opening
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.casework_doors import (
     add_folding_door,
     add_roll_top,

@@ -9,7 +9,7 @@ import pytest
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details import front_fittings
-from kinmo.synth.details.casework import Fronts, Opening
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.front_fittings import add_fittings
 from kinmo.synth.details.handles import knob_handle, pull
 from kinmo.synth.draw import Draw

@@ -1,156 +1,33 @@
-"""Drawers, doors, panels and legs of furniture, named and nested as in PartNet."""
+"""Drawers, doors and legs of furniture, named and nested as in PartNet."""
 
 from __future__ import annotations
 
-from copy import deepcopy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.front_fittings import add_fittings
-from kinmo.synth.details.handles import pull
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.draw import Draw
-from kinmo.synth.primitives import Point, X, box, box_between, cylinder, extrude, join, lathe, move, open_box, turn
+from kinmo.synth.primitives import X, box, box_between, cylinder, join, lathe, move, open_box, turn
 from kinmo.synth.synth_object import Link, Node, hinge, slider
-
-
-@dataclass(frozen=True)
-class Opening:
-    """A rectangular hole in a carcass.
-
-    Attributes:
-        x: Horizontal centre.
-        y: Vertical centre.
-        width: Width.
-        height: Height.
-        depth: Depth of the space behind it.
-        front: Position of the carcass's front along z.
-    """
-
-    x: float
-    y: float
-    width: float
-    height: float
-    depth: float
-    front: float
-
-    @property
-    def low(self) -> float:
-        """Lower edge."""
-        return self.y - self.height / 2
-
-    @property
-    def high(self) -> float:
-        """Upper edge."""
-        return self.y + self.height / 2
-
-
-@dataclass(frozen=True)
-class Fronts:
-    """Common style of the fronts of one piece of furniture.
-
-    Attributes:
-        thickness: Thickness of a front.
-        gap: Distance from a front to the edge of its opening. It is negative if fronts overlap the carcass.
-        look: "plain", "framed", "raised", "bowed" or "slatted".
-        has_handles: True if doors and drawers have handles.
-        handle_length: Usual length of a handle.
-        grips: Source of the handles if all have one shape; None if each has its own.
-        trim: Source of the fittings if all fronts have the same ones; None if each has its own.
-    """
-
-    thickness: float
-    gap: float
-    look: str
-    has_handles: bool
-    handle_length: float
-    grips: Draw | None = None
-    trim: Draw | None = None
-
-    @staticmethod
-    def random(draw: Draw, unit: float) -> Fronts:
-        """Random style for furniture with boards about `unit` thick."""
-        gap = draw.pick([draw.between(0.02, 0.5) * unit, 0.0, -draw.between(0.1, 0.95) * unit], [4, 2, 4])
-        look = draw.pick(["plain", "framed", "raised", "bowed", "slatted"], [6, 3, 2, 1, 1])
-        thickness, has_handles, length = draw.ratio(0.4, 3.0) * unit, draw.chance(0.75), draw.ratio(0.04, 0.5)
-        grips, trim = (draw.identical(1)[0] if draw.chance(0.7) else None for _ in range(2))
-        return Fronts(thickness, gap, look, has_handles, length, grips, trim)
-
-    def back_plane(self, opening: Opening) -> float:
-        """Position along z of a front's back: behind the carcass's front if inset, on it if overlapping."""
-        return opening.front if self.gap < 0 else opening.front - self.thickness
-
-    def size(self, opening: Opening) -> tuple[float, float]:
-        """Width and height of the front of an opening."""
-        return opening.width - 2 * self.gap, opening.height - 2 * self.gap
-
-    def panel(self, draw: Draw, opening: Opening) -> list[Mesh]:
-        """Meshes of the front of an opening."""
-        at = (opening.x, opening.y, self.back_plane(opening))
-        return [move(piece, at) for piece in front_panel(draw, *self.size(opening), self.thickness, self.look)]
-
-    def fit(self, draw: Draw, node: Node, opening: Opening, side: str = "") -> list[Node]:
-        """Add fittings to some fronts, below `node`; returns them. `side` is the edge of a door's hinge."""
-        half, middle = 0.5 * np.array(self.size(opening)), np.array([opening.x, opening.y])
-        face = self.back_plane(opening) + _front_height(self)
-        return add_fittings(deepcopy(self.trim) or draw, node, middle - half, middle + half, face, side)
-
-    def grip(self, draw: Draw, length: float, at: Point, opening: Opening, *, vertical: bool) -> list[Mesh]:
-        """Meshes of a handle with its foot at `at`; see `pull`."""
-        return pull(deepcopy(self.grips) or draw, length, at, vertical=vertical, room=min(self.size(opening)))
-
-
-def front_panel(draw: Draw, width: float, height: float, thickness: float, look: str) -> list[Mesh]:
-    """Meshes of a door's or drawer's front, centred, with its back on z = 0."""
-    if look == "bowed":
-        x = np.linspace(width / 2, -width / 2, 9)
-        bow = thickness * draw.between(1.0, 2.5)
-        outline = np.stack([x, thickness + bow * (1 - (2 * x / width) ** 2)], axis=1)
-        outline = np.concatenate([[[-width / 2, 0.0], [width / 2, 0.0]], outline])[:, ::-1]
-        return [extrude(outline, height, "y", capped=True)]
-    slab = box((width, height, thickness), (0, 0, thickness / 2))
-    if look == "slatted":
-        return _slats(draw, width, height, thickness)
-    rim = min(0.2 * min(width, height), 2.5 * thickness)
-    if look == "plain" or rim <= 0:
-        return [slab]
-    inner_width, inner_height = width - 2 * rim, height - 2 * rim
-    if look == "raised":
-        return [slab, box((inner_width, inner_height, 0.4 * thickness), (0, 0, 1.2 * thickness))]
-    across = [box((width, rim, thickness), (0, s * (height - rim) / 2, thickness / 2)) for s in (-1, 1)]
-    upright = [box((rim, inner_height, thickness), (s * (width - rim) / 2, 0, thickness / 2)) for s in (-1, 1)]
-    return [*across, *upright, box((inner_width, inner_height, 0.5 * thickness), (0, 0, 0.35 * thickness))]
-
-
-def _slats(draw: Draw, width: float, height: float, thickness: float) -> list[Mesh]:
-    """Parallel boards, upright or level, that touch each other or are held by two battens behind them."""
-    count, upright = draw.integer(3, 10), draw.chance(0.6)
-    share = draw.pick([1.0, draw.between(0.7, 0.98)])
-    pitch = (width if upright else height) / count
-    places = (np.arange(count) + 0.5 - 0.5 * count) * pitch
-    size = (share * pitch, height, 0.6 * thickness) if upright else (width, share * pitch, 0.6 * thickness)
-    boards = [box(size, (x, 0, 0.7 * thickness) if upright else (0, x, 0.7 * thickness)) for x in places]
-    batten = (width, 0.1 * height, 0.4 * thickness) if upright else (0.1 * width, height, 0.4 * thickness)
-    ends = [(0, s * 0.35 * height, 0.2 * thickness) if upright else (s * 0.35 * width, 0, 0.2 * thickness) for s in (-1, 1)]
-    return boards + [box(batten, at) for at in ends]
 
 
 def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
     """Add a drawer that slides to +z. Its box is a group of boards, one block, or a block together with the front."""
     node = above.add("drawer")
     box_node = node.add("drawer_box")
-    width, back = fronts.size(opening)[0], fronts.back_plane(opening)
+    face, back = fronts.face(opening), fronts.back_plane(opening)
     box_node.add("drawer_front", *fronts.panel(draw, opening))
     depth = _add_drawer_box(draw, box_node, opening, back)
     if fronts.has_handles:
-        count = 2 if opening.width > 0.8 and draw.chance(0.3) else 1
-        length = min(fronts.handle_length, 0.8 * opening.width / count)
-        y = opening.y + draw.pick([0.0, 0.3, draw.between(-0.35, 0.42), 0.47], [4, 1, 1, 0.6]) * opening.height
-        aside = draw.pick([0.0, draw.between(-0.35, 0.35)], [6, 1]) * width if count == 1 else 0.0
+        count = 2 if face.width > 0.8 and draw.chance(0.3) else 1
+        length = min(fronts.handle_length, 0.8 * face.width / count)
+        y = face.y + draw.pick([0.0, 0.3, draw.between(-0.35, 0.42), 0.47], [4, 1, 1, 0.6]) * face.height
+        aside = draw.pick([0.0, draw.between(-0.35, 0.35)], [6, 1]) * face.width if count == 1 else 0.0
         for place in range(count):
-            x = opening.x + width * ((place + 0.5) / count - 0.5) + aside
-            node.add("handle", *fronts.grip(draw, length, (x, y, back + _front_height(fronts)), opening, vertical=False))
+            x = face.x + face.width * ((place + 0.5) / count - 0.5) + aside
+            node.add("handle", *fronts.grip(draw, length, (x, y, fronts.surface(opening)), opening, vertical=False))
     fronts.fit(draw, node, opening)
     if draw.chance(0.1):
         _add_runners(draw, above, carcass, opening, back - depth, back)
@@ -188,14 +65,15 @@ def _add_drawer_box(draw: Draw, node: Node, opening: Opening, back: float) -> fl
     if form not in ("boards", "loose"):
         return depth
     rim = low + draw.pick([1.0, draw.between(0.5, 1.0)], [3, 1]) * (high - low)
+    inner, thin = half - board, draw.pick([board, 0.5 * board, 0.0], [6, 3, 1])
+    lies_below = draw.chance(0.3)  # the walls stand on the bottom
+    floor, foot = (low, low + thin) if lies_below else (low + draw.pick([0.0, 0.3 * board]), low)
     for side in (-1, 1):
         x = opening.x + side * (half - board / 2)
-        node.add("drawer_side", box_between((x - board / 2, low, far), (x + board / 2, rim, back)))
-    inner = half - board
-    node.add("drawer_back", box_between((opening.x - inner, low, far), (opening.x + inner, high, far + board)))
-    floor = low + draw.pick([0.0, 0.3 * board])
-    thin = draw.pick([board, 0.5 * board, 0.0], [6, 3, 1])
-    bottom = box_between((opening.x - inner, floor, far), (opening.x + inner, floor + thin, back))
+        node.add("drawer_side", box_between((x - board / 2, foot, far), (x + board / 2, rim, back)))
+    node.add("drawer_back", box_between((opening.x - inner, foot, far), (opening.x + inner, high, far + board)))
+    across = half if lies_below else inner
+    bottom = box_between((opening.x - across, floor, far), (opening.x + across, floor + thin, back))
     node.add("drawer_bottom", bottom)
     if draw.chance(0.08):
         # Walls that divide the space in the drawer.
@@ -233,7 +111,8 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
     Returns:
         Link of the door.
     """
-    (width, height), back = fronts.size(opening), fronts.back_plane(opening)
+    face, back = fronts.face(opening), fronts.back_plane(opening)
+    width, height = face.width, face.height
     node = above.add("cabinet_door")
     node.add("cabinet_door_surface", *fronts.panel(draw, opening))
     out = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}[side]
@@ -241,15 +120,15 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
     if fronts.has_handles:
         margin = draw.pick([draw.between(0.04, 0.14), draw.between(0.14, 0.5)], [6, 1]) * (width if upright else height)
         along = draw.pick([0.0, draw.between(-0.42, 0.42)], [2, 1])
-        x = opening.x - out[0] * (width / 2 - margin) + (0 if upright else along * width * 0.3)
-        y = opening.y - out[1] * (height / 2 - margin) + (along * height if upright else 0)
+        x = face.x - out[0] * (width / 2 - margin) + (0 if upright else along * width * 0.3)
+        y = face.y - out[1] * (height / 2 - margin) + (along * height if upright else 0)
         length = min(fronts.handle_length * draw.between(0.8, 1.5), 0.7 * (height if upright else width))
         length = min(length, 2.0 * (0.5 - abs(along)) * height) if upright else length
         lies_along = draw.chance(0.9) or length > 0.5 * min(width, height)
-        foot = (x, y, back + _front_height(fronts))
+        foot = (x, y, fronts.surface(opening))
         node.add("handle", *fronts.grip(draw, length, foot, opening, vertical=upright == lies_along))
     inward = draw.pick([0.0, draw.between(0.0, 0.02), draw.between(0.02, 0.05)], [4, 4, 1]) * (width if upright else height)
-    axis = np.array([opening.x, opening.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
+    axis = np.array([face.x, face.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
     axis[0 if upright else 1] += (out[0] * width if upright else out[1] * height) / 2 - (sum(out) * inward)
     if draw.chance(0.2):
         _add_hinges(draw, node, above, carcass, axis, upright, height if upright else width)
@@ -263,11 +142,13 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
 def add_door_pair(
     draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, width: float | None = None
 ) -> list[Link]:
-    """Add two doors that meet in the middle of an opening, each `width` wide (default: half of the opening)."""
+    """Add two doors that meet in the middle of an opening. Inset ones are `width` wide (default: half of the opening)."""
     links = []
+    around = opening.border or (max(-fronts.gap, 0.0),) * 4
     for sign, side in ((-1, "left"), (1, "right")):
-        x = opening.x + sign * opening.width / 4
-        half = replace(opening, x=x, width=opening.width / 2 if width is None else width)
+        border = (around[0] if sign < 0 else 0.0, around[1] if sign > 0 else 0.0, around[2], around[3])
+        wide = opening.width / 2 if width is None or fronts.gap < 0 else width
+        half = replace(opening, x=opening.x + sign * opening.width / 4, width=wide, border=border)
         links.append(add_door(draw, above, carcass, half, fronts, side))
     return links
 
@@ -307,8 +188,3 @@ def _add_hinges(draw: Draw, node: Node, above: Node, carcass: Link, axis: np.nda
             carcass.nodes.append(above.add("hinge", *pieces))
         else:
             node.add("hinge", *pieces)
-
-
-def _front_height(fronts: Fronts) -> float:
-    """Height of a front's middle above its back."""
-    return fronts.thickness * {"bowed": 1.6, "framed": 0.9, "raised": 1.35}.get(fronts.look, 1.0)

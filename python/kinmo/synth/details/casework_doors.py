@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer, front_panel
+from kinmo.synth.details.casework import add_door, add_drawer
+from kinmo.synth.details.casework_fronts import Fronts, Opening, front_panel
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import Point, X, Y, box, box_between, cylinder, extrude, move, tube
@@ -45,9 +46,10 @@ def add_sliding_doors(
     places = [draw.sign() * inner] if count == 1 else list(np.linspace(-inner, inner, count))
     tracks = [index % 2 for index in range(count)] if draw.chance(0.7) else list(range(count))
     face = opening.front + draw.pick([0.0, -thickness, 1.2 * thickness, 2.4 * thickness], [4, 2, 1, 2])
+    pitch = 1.5 if look == "raised" else 1.1
     has_handles, links = draw.chance(0.7), []
     for place, track in zip(places, tracks, strict=True):
-        at = axis * place + (opening.x, opening.y, face - (1.1 * track + 1.0) * thickness)
+        at = axis * place + (opening.x, opening.y, face - (pitch * track + 1.0) * thickness)
         node = above.add("cabinet_door")
         node.add("cabinet_door_surface", *(move(piece, at) for piece in front_panel(draw, *size, thickness, look)))
         if has_handles and (track == 0 or draw.chance(0.5)):
@@ -166,8 +168,11 @@ def add_folding_door(draw: Draw, above: Node, carcass: Link, opening: Opening, f
     side = draw.pick(["left", "right"])
     out = -1.0 if side == "left" else 1.0
     share = draw.between(0.4, 0.6)
+    around = opening.border or (max(-fronts.gap, 0.0),) * 4
+    left, right = (around[0], 0.0, *around[2:]), (0.0, *around[1:])
     near = replace(opening, x=opening.x + out * 0.5 * (1 - share) * opening.width, width=share * opening.width)
     far = replace(opening, x=opening.x - out * 0.5 * share * opening.width, width=(1 - share) * opening.width)
+    near, far = (replace(half, border=left if half.x < opening.x else right) for half in (near, far))
     bare = replace(fronts, has_handles=False)
     first = add_door(draw, above, carcass, near, bare, side)
     second = add_door(draw, above, first, far, fronts, side)

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
+from kinmo.synth.details.casework import add_door, add_drawer
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.wheels import add_caster
 from kinmo.synth.draw import Draw
@@ -59,7 +60,7 @@ def add_pullout(draw: Draw, above: Node, carcass: Link, opening: Opening) -> Lin
 def add_larder(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
     """Add a tall front that slides out together with the shelves, baskets or racks behind it."""
     node = above.add(draw.pick(["drawer", "cabinet_door"], [2, 1]))
-    height, back = fronts.size(opening)[1], fronts.back_plane(opening)
+    height, back = fronts.face(opening).height, fronts.back_plane(opening)
     node.add("drawer_front", *fronts.panel(draw, opening))
     deep, half = opening.depth * draw.between(0.7, 0.95), draw.between(0.35, 0.48) * opening.width
     rod = min(0.06 * opening.width, 0.03)
@@ -158,7 +159,7 @@ def add_false_front(draw: Draw, above: Node, carcass: Link, opening: Opening, fr
     carcass.nodes += [node, *fronts.fit(draw, above, opening)]
     if draw.chance(0.5):
         at = (opening.x, opening.y, fronts.back_plane(opening) + 1.5 * fronts.thickness)
-        grip = fronts.grip(draw, 0.3 * fronts.size(opening)[0], at, opening, vertical=draw.chance(0.3))
+        grip = fronts.grip(draw, 0.3 * fronts.face(opening).width, at, opening, vertical=draw.chance(0.3))
         carcass.nodes.append(above.add("handle", *grip))
 
 

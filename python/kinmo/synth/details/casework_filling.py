@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer
+from kinmo.synth.details.casework import add_door, add_door_pair, add_drawer
 from kinmo.synth.details.casework_doors import (
     add_folding_door,
     add_hung_door,
@@ -23,6 +24,7 @@ from kinmo.synth.details.casework_extras import (
     add_locked_door,
     add_pullout,
 )
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.draw import Draw
 from kinmo.synth.synth_object import Link, Node
 
@@ -30,6 +32,8 @@ TIPPING_SHARE = 0.15
 """Share of flaps that are the front of a bin."""
 BEHIND_SHARE = 0.12
 """Share of doors and flaps with drawers or another door behind them."""
+OPEN_SHARE = 0.35
+"""Share of columns of fronts without boards between their rows."""
 
 
 def on_side(carcass: Link, place: NDArray[np.float64], build: Callable[[Link], list[Link]]) -> list[Link]:
@@ -57,6 +61,25 @@ def shares(draw: Draw, count: int, room: float, board: float) -> list[float]:
     shares = [draw.ratio(0.35, 2.2) for _ in range(count)] if draw.chance(0.5) else [1.0] * count
     free = room - (count - 1) * board
     return [free * share / sum(shares) for share in shares]
+
+
+def bordered(
+    opening: Opening, board: float, between: float, is_left: bool, is_right: bool, is_lowest: bool, is_highest: bool
+) -> Opening:
+    """An opening of a grid with the border that its front may cover: boards at the outside, and half of those inside.
+
+    Args:
+        opening: The opening.
+        board: Thickness of outer and upright boards.
+        between: Thickness of the boards between the rows.
+        is_left: Nothing is to the left of it.
+        is_right: Nothing is to the right of it.
+        is_lowest: Nothing is below it.
+        is_highest: Nothing is above it.
+    """
+    left, right = (board if is_outside else 0.5 * board for is_outside in (is_left, is_right))
+    below, above = (board if is_outside else 0.5 * between for is_outside in (is_lowest, is_highest))
+    return replace(opening, border=(left, right, below, above))
 
 
 def furnish(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts, board: float) -> list[Link]:
@@ -94,8 +117,7 @@ def furnish(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fr
         return links
     if kind == "pair":
         half = opening.width / 2 + 0.5 * max(fronts.gap, 0.0) * draw.pick([0.0, 1.0])
-        width = half if fronts.gap >= 0 else opening.width / 2 + fronts.gap
-        return add_door_pair(draw, above, carcass, opening, fronts, width)
+        return add_door_pair(draw, above, carcass, opening, fronts, half)
     if kind == "fold":
         return add_folding_door(draw, above, carcass, opening, fronts)
     if kind == "hung":

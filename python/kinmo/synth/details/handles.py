@@ -97,6 +97,8 @@ def knob_handle(draw: Draw, radius: float, reach: float) -> list[Mesh]:
     if kind in profiles:
         return [turn(lathe(np.array([*profiles[kind], [0, reach]]), segments), (1, 0, 0), 90.0)]
     foot = cylinder(neck, reach, "z", (0, 0, reach / 2), segments)
+    if kind == "ball" and neck < 0.4 * radius:
+        return [ellipsoid((radius, radius, radius), (0, 0, radius), segments, 8)]  # it touches the front at a point
     if kind == "ball":
         return [join(foot, ellipsoid((radius, radius, radius), (0, 0, reach), segments, 8))]
     if kind == "stub":

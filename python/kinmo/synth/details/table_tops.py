@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer
+from kinmo.synth.details.casework import add_door, add_drawer
 from kinmo.synth.details.casework_doors import add_roll_top
 from kinmo.synth.details.casework_extras import add_lift_top
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder
 from kinmo.synth.synth_object import Link, Node, hinge, slider, spinner
@@ -82,14 +83,16 @@ def add_desk_top(
     base.nodes += walls
     fronts = Fronts.random(draw, 0.6 * board)
     for left, right in zip(edges[:-1] + board, edges[1:], strict=True):
-        opening = Opening(0.5 * (left + right), y + 0.5 * high, right - left, high, deep - board, front)
+        border = (0.5 * board, 0.5 * board, 0.0, board)
+        opening = Opening(0.5 * (left + right), y + 0.5 * high, right - left, high, deep - board, front, border)
         kind = draw.pick(["door", "flap", "drawers", "open"], [3, 1, 2, 2])
         if kind == "drawers":
             # Small drawers, one above the other, below an open space or not.
             count = draw.pick([1, 2, 3], [2, 2, 1])
             tall = high * draw.pick([1.0, draw.between(0.4, 0.8)]) / count
             for row in range(count):
-                part = replace(opening, y=y + (row + 0.5) * tall, height=0.94 * tall)
+                border = (0.5 * board, 0.5 * board, 0.03 * tall, 0.03 * tall)
+                part = replace(opening, y=y + (row + 0.5) * tall, height=0.94 * tall, border=border)
                 links.append(add_drawer(draw, group, base, part, fronts))
         elif kind != "open":
             sides = ["left", "right"] if kind == "door" else ["top", "bottom"]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.casework import Fronts, Opening, add_drawer, legs
+from kinmo.synth.details.casework import add_drawer, legs
 from kinmo.synth.details.casework_extras import add_casters
 from kinmo.synth.details.casework_filling import on_side
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, facing, join, rounded_box, rounded_path, sweep
@@ -102,7 +103,8 @@ def _storage_bed(draw: Draw, root: Node, width: float, length: float) -> list[Li
         def drawers(carcass: Link, count: int = count, wide: float = wide, reach: float = reach) -> list[Link]:
             cells = [wide * (index + 0.5 - count / 2) for index in range(count)]
             height = tall - 2 * board
-            openings = [Opening(x, low + tall / 2, wide - board, height, reach - 2 * board, 0.0) for x in cells]
+            border = (0.5 * board, 0.5 * board, board, board)
+            openings = [Opening(x, low + tall / 2, wide - board, height, reach - 2 * board, 0.0, border) for x in cells]
             return [add_drawer(draw, root, carcass, opening, fronts) for opening in openings]
 
         links += on_side(base, facing(side, Y, side * (x if side[0] else z)), drawers)

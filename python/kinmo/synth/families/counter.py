@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from kinmo.core.vector import Vector
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_drawer, legs
+from kinmo.synth.details.casework import add_door, add_drawer, legs
 from kinmo.synth.details.casework_extras import add_casters, add_trim
-from kinmo.synth.details.casework_filling import furnish, on_side, shares
+from kinmo.synth.details.casework_filling import OPEN_SHARE, bordered, furnish, on_side, shares
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, facing
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject
@@ -70,13 +71,15 @@ class _Face:
             if column:
                 self._board(base, (edge - board / 2, face.y), (board, face.height))
             top = face.high
-            rows = shares(draw, draw.pick([1, 2, 3, 4], [5, 2, 1.5, 0.5]), face.height, board)
+            between = 0.0 if draw.chance(OPEN_SHARE) else board
+            rows = shares(draw, draw.pick([1, 2, 3, 4], [5, 2, 1.5, 0.5]), face.height, between)
             for row, tall in enumerate(rows):
                 cell = replace(face, x=x, y=top - tall / 2, width=wide, height=tall)
-                if row:
+                cell = bordered(cell, board, between, column == 0, column == columns - 1, row == len(rows) - 1, row == 0)
+                if row and between:
                     self._board(base, (x, top + board / 2), (wide, board))
                 links += self._fill(base, cell)
-                top -= tall + board
+                top -= tall + between
             edge += wide + board
         return links
 

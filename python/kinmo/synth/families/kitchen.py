@@ -8,10 +8,11 @@ from itertools import pairwise
 import numpy as np
 
 from kinmo.synth.details.appliances import add_dial, rectangular_frame
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer
+from kinmo.synth.details.casework import add_door, add_door_pair, add_drawer
 from kinmo.synth.details.casework_doors import add_shutter
 from kinmo.synth.details.casework_extras import add_false_front, add_larder
-from kinmo.synth.details.casework_filling import furnish, on_side
+from kinmo.synth.details.casework_filling import bordered, furnish, on_side
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.handles import pull
 from kinmo.synth.details.turning_handles import lever
 from kinmo.synth.draw import Draw
@@ -136,19 +137,23 @@ class _Row:
             style.height - 2 * board,
             style.depth - board,
             self._front,
+            border=(board,) * 4,
         )
         if kind == "drawers":
             count = draw.integer(2, 4)
             shares = np.array([draw.pick([1.0, draw.between(0.4, 1.0)]) for _ in range(count)])
             tops = opening.low + (opening.height + board) * np.concatenate([[0.0], np.cumsum(shares) / shares.sum()])
-            for bottom, top in pairwise(tops):
+            for row, (bottom, top) in enumerate(pairwise(tops)):
                 part = replace(opening, y=0.5 * (bottom + top - board), height=top - bottom - board)
+                part = bordered(part, board, board, True, True, row == 0, row == count - 1)
                 self.links.append(add_drawer(draw, group, self.base, part, style.fronts))
         elif kind in ("door", "pair", "sink"):
             if draw.chance(0.5) or kind == "sink":
                 tall = draw.between(0.15, 0.25) * opening.height
                 upper = replace(opening, y=opening.high - tall / 2, height=tall)
+                upper = bordered(upper, board, board, True, True, False, True)
                 opening = replace(opening, y=opening.y - (tall + board) / 2, height=opening.height - tall - board)
+                opening = bordered(opening, board, board, True, True, True, False)
                 if kind == "sink":
                     add_false_front(draw, group, self.base, upper, style.fronts)
                 else:
@@ -305,7 +310,8 @@ class _Row:
                 self.base.nodes.append(self.root.add("hood", canopy, chimney))
                 continue
             group = self._carcass((a, low, rear), (b, low + tall, z), solid=style.solid)
-            opening = Opening(middle, low + tall / 2, b - a - 2 * board, tall - 2 * board, deep - board, z)
+            size = (b - a - 2 * board, tall - 2 * board, deep - board)
+            opening = Opening(middle, low + tall / 2, *size, z, border=(board,) * 4)
             if kind == "pair":
                 self.links += add_door_pair(draw, group, self.base, opening, style.fronts)
             elif kind == "shutter":

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from kinmo.core.shape import Mesh
 from kinmo.synth.details.appliances import frame_bars
-from kinmo.synth.details.casework import Fronts, Opening, add_drawer, legs
+from kinmo.synth.details.casework import add_drawer, legs
 from kinmo.synth.details.casework_doors import add_hung_door, add_shutter, add_sliding_doors
 from kinmo.synth.details.casework_extras import add_trim
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, join, move, open_box, rotation_about, turn
@@ -88,14 +91,14 @@ def _close(
         count = draw.integer(1, 3)
         wide = opening.width / count
         cells = [opening.x + wide * (index + 0.5 - count / 2) for index in range(count)]
-        return [
-            add_drawer(draw, root, base, Opening(x, opening.y, wide, opening.height, opening.depth, opening.front), fronts)
-            for x in cells
-        ]
+        border = (0.0, 0.0, 0.5 * board, 0.5 * board)
+        parts = [replace(opening, x=x, width=wide, border=border) for x in cells]
+        return [add_drawer(draw, root, base, part, fronts) for part in parts]
     thick = draw.between(0.4, 1.2) * board
     kind = draw.pick(["doors", "shutter", "hung"], [6, 2, 1])
     if kind == "doors":
-        return add_sliding_doors(draw, root, base, opening, thick, upwards=draw.chance(0.1))
+        upwards = draw.chance(0.1) and opening.height > 0.15 * opening.width
+        return add_sliding_doors(draw, root, base, opening, thick, upwards=upwards)
     return [
         add_shutter(draw, root, base, opening, thick) if kind == "shutter" else add_hung_door(draw, root, base, opening, fronts)
     ]

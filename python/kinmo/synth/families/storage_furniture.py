@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.casework import Fronts, Opening, add_door, legs
+from kinmo.synth.details.casework import add_door, legs
+from kinmo.synth.details.casework_carcass import Carcass, add_boards
 from kinmo.synth.details.casework_extras import add_casters, add_lift_top, add_trim
-from kinmo.synth.details.casework_filling import furnish, shares
+from kinmo.synth.details.casework_filling import OPEN_SHARE, bordered, furnish, shares
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.posture import turn_about_up
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box_between, cylinder, open_box
@@ -21,21 +21,6 @@ SHELL_SHARE = 0.15
 """Share of carcasses that are one hollow surface instead of boards."""
 
 
-@dataclass(frozen=True)
-class _Carcass:
-    """Outer size of a carcass and thickness of its boards; it is centred at the origin."""
-
-    width: float
-    height: float
-    depth: float
-    board: float
-
-    @property
-    def front(self) -> float:
-        """Position of the front along z."""
-        return self.depth / 2
-
-
 def build(draw: Draw) -> SynthObject:
     """Carcass divided into openings with drawers, doors and shelves.
 
@@ -45,7 +30,7 @@ def build(draw: Draw) -> SynthObject:
     tall = draw.chance(0.35)
     width = draw.ratio(0.3, 1.2) if tall else draw.ratio(0.5, 2.4)
     height = draw.ratio(1.0, 2.2) if tall else draw.ratio(0.3, 1.2)
-    size = _Carcass(width, height, draw.ratio(0.2, 1.0), draw.ratio(0.01, 0.06))
+    size = Carcass(width, height, draw.ratio(0.2, 1.0), draw.ratio(0.01, 0.06))
     root = Node("storage_furniture")
     cabinet = root.add("cabinet")
     frame = cabinet.add("cabinet_frame")
@@ -71,13 +56,13 @@ def build(draw: Draw) -> SynthObject:
     return shape
 
 
-def _add_frame(draw: Draw, frame: Node, size: _Carcass) -> None:
+def _add_frame(draw: Draw, frame: Node, size: Carcass) -> None:
     """Add side, bottom, top and back panels, and front bars of a face frame."""
     x, y, z, board = size.width / 2, size.height / 2, size.depth / 2, size.board
     if draw.chance(SHELL_SHARE):
         frame.add(draw.pick(["frame", "cabinet_frame"]), open_box((-x, -y, -z), (x, y, z), board))
     else:
-        _add_boards(draw, frame, size)
+        add_boards(draw, frame, size)
     if draw.chance(0.3):
         for side in (-1, 1):
             inner, outer = sorted((side * (x - 1.8 * board), side * x))
@@ -86,30 +71,14 @@ def _add_frame(draw: Draw, frame: Node, size: _Carcass) -> None:
             frame.add("frame_horizontal_bar", box_between((-x + board, low, z - 0.9 * board), (x - board, high, z)))
 
 
-def _add_boards(draw: Draw, frame: Node, size: _Carcass) -> None:
-    """Add the panels of a carcass. Boards meet at their edges, or run through each other; back and top may be missing."""
-    x, y, z, board = size.width / 2, size.height / 2, size.depth / 2, size.board
-    inside = x - draw.pick([board, 0.5 * board, 0.0], [4, 1, 1])
-    for side in (-1, 1):
-        inner, outer = sorted((side * (x - board), side * x))
-        frame.add("vertical_side_panel", box_between((inner, -y, -z), (outer, y, z)))
-    thin = draw.pick([board, 0.3 * board, 0.0], [3, 3, 1])
-    if draw.chance(0.85):
-        frame.add("back_panel", box_between((-inside, -y, -z), (inside, y, -z + thin)))
-    near = z - draw.pick([0.0, draw.between(0.0, 0.1) * size.depth], [3, 1])
-    frame.add("bottom_panel", box_between((-inside, -y, -z + thin), (inside, -y + board, near)))
-    if draw.chance(0.9):
-        frame.add("top_panel", box_between((-inside, y - board, -z + thin), (inside, y, near)))
-
-
-def _top(draw: Draw, size: _Carcass) -> Mesh:
+def _top(draw: Draw, size: Carcass) -> Mesh:
     """A countertop."""
     over, board = draw.pick([0.0, draw.between(0.0, 0.12)]), size.board * draw.between(0.8, 2.0)
     x, y, z = size.width / 2 + over, size.height / 2, size.depth / 2 + over
     return box_between((-x, y, -z + over), (x, y + board, z))
 
 
-def _add_base(draw: Draw, cabinet: Node, size: _Carcass) -> Node:
+def _add_base(draw: Draw, cabinet: Node, size: Carcass) -> Node:
     """Add feet, fixed wheels or a plinth below the carcass."""
     base = cabinet.add("cabinet_base")
     kind = draw.pick(["foot_base", "panel_base", "wheel_base"], [5, 4, 1])
@@ -135,7 +104,7 @@ def _add_base(draw: Draw, cabinet: Node, size: _Carcass) -> Node:
     return base
 
 
-def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) -> list[Link]:
+def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: Carcass) -> list[Link]:
     """Divide the front into columns, and every column into drawers, doors and open shelves."""
     links: list[Link] = []
     fronts = Fronts.random(draw, size.board)
@@ -143,19 +112,21 @@ def _fill(draw: Draw, cabinet: Node, frame: Node, base: Link, size: _Carcass) ->
     columns = draw.pick([1, 2, 3, 4], [4, 4, 2, 1]) if inner > 0.8 else draw.pick([1, 2], [4, 1])
     inner_depth = size.depth - 1.5 * board
     edge = -inner / 2
-    for width in shares(draw, columns, inner, board):
+    for column, width in enumerate(shares(draw, columns, inner, board)):
         x, left = edge + width / 2, edge - board
         edge += width + board
         if left > -inner / 2:
             low = (left, -size.height / 2 + board, -size.depth / 2 + board)
             frame.add("vertical_divider_panel", box_between(low, (left + board, size.height / 2 - board, size.front)))
-        rows = shares(draw, draw.pick([1, 2, 3, 4, 5, 8], [3, 4, 3, 2, 1, 0.4]), size.height - 2 * board, board)
+        between = 0.0 if draw.chance(OPEN_SHARE) else board
+        rows = shares(draw, draw.pick([1, 2, 3, 4, 5, 8], [3, 4, 3, 2, 1, 0.4]), size.height - 2 * board, between)
         top = size.height / 2 - board
-        for share in rows:
+        for row, share in enumerate(rows):
             opening = Opening(x, top - share / 2, width, share, inner_depth, size.front)
+            opening = bordered(opening, board, between, column == 0, column == columns - 1, row == len(rows) - 1, row == 0)
             links += furnish(draw, cabinet, base, opening, fronts, size.board)
-            top -= share + board
-            if share is not rows[-1]:
+            top -= share + between
+            if between and row < len(rows) - 1:
                 shelf = box_between((x - width / 2, top, -size.depth / 2 + board), (x + width / 2, top + board, size.front))
                 if draw.chance(0.5):
                     frame.add("shelf", shelf)

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinmo.core.shape import Mesh
-from kinmo.synth.details.casework import Fronts, Opening, add_door, add_door_pair, add_drawer
+from kinmo.synth.details.casework import add_door, add_door_pair, add_drawer
 from kinmo.synth.details.casework_doors import add_folding_door, add_parts_behind, add_sliding_doors
 from kinmo.synth.details.casework_extras import add_casters, add_false_front, add_pullout
+from kinmo.synth.details.casework_filling import bordered
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.posture import turn_about_up
 from kinmo.synth.details.table_supports import add_apron, add_column, add_supports
 from kinmo.synth.details.table_tops import add_desk_top, add_moving_top
@@ -140,6 +142,7 @@ def _row(
     for column in range(columns):
         left = low[0] + column * (width + board)
         opening = Opening(left + width / 2, (low[1] + high[1]) / 2, width, high[1] - low[1], 2 * size.z - 2 * board, size.z)
+        opening = bordered(opening, board, board, column == 0, column == columns - 1, False, False)
         kind = draw.pick(["drawer", "false", "tray"], [90, 5, 6])
         if kind == "false":
             add_false_front(draw, node, links[0], opening, fronts)
@@ -337,7 +340,8 @@ def _column(draw: Draw, node: Node, links: list[Link], left: float, right: float
     for row, height in enumerate(heights):
         top = size.y - float(heights[:row].sum())
         if door_below and row >= draw.integer(0, 1):
-            opening = Opening(x, (top + low + board) / 2, width, top - low - board, depth, size.z)
+            border = (board, board, board, 0.0)
+            opening = Opening(x, (top + low + board) / 2, width, top - low - board, depth, size.z, border)
             side = draw.pick(["left", "right", "bottom", "top"], [8, 8, 1, 1])
             links.append(add_door(draw, node, links[0], opening, fronts, side))
             if draw.chance(0.15):
@@ -345,7 +349,8 @@ def _column(draw: Draw, node: Node, links: list[Link], left: float, right: float
             return
         if draw.chance(0.06):
             continue  # an open space
-        opening = Opening(x, top - float(height) / 2, width, float(height) - draw.pick([0.0, 0.3 * board]), depth, size.z)
+        tall = float(height) - draw.pick([0.0, 0.3 * board])
+        opening = Opening(x, top - float(height) / 2, width, tall, depth, size.z, border=(board, board, 0.0, 0.0))
         links.append(add_drawer(draw, node, links[0], opening, fronts))
 
 
