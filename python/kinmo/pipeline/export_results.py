@@ -44,7 +44,8 @@ class ExportResults:
     """Export the prediction in a folder, or all predictions below it, each with its own overrides.toml.
 
     Without `out`, the folders are written again, with their own formats and `formats`. Files that kinmo did not write stay.
-    With `out`, each prediction gets a folder in it. With a package too, the folder has the name of the package.
+    With `out`, each prediction gets a folder in it. With a package too, the folder has the name of the package. Without `out`,
+    it must have that name already.
     """
 
     results: Path
@@ -136,8 +137,11 @@ class ExportResults:
             raise InputError(self.results, f"expected a result of kinmo predict, with {FILE_NAME}, at or below it")
         if self.source is not None and len(folders) > 1:
             raise InputError("--source", f"applies only to one result; found {len(folders)} below {self._root}")
-        if self.package and self.out is not None and len(folders) > 1:
-            problem = f"with --out applies only to one result; found {len(folders)} below {self._root}: export each by itself"
+        if self.package and len(folders) > 1:
+            problem = f"applies only to one result; found {len(folders)} below {self._root}: export each by itself"
+            raise InputError("--package", problem)
+        if self.package and self.out is None and (name := folders[0].resolve().name) != self.package:
+            problem = f"ROS looks for it in a folder of that name, not in {name}: add -o FOLDER to write FOLDER/{self.package}"
             raise InputError("--package", problem)
         return folders
 
