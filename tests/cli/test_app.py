@@ -79,7 +79,9 @@ def test_wrong_usage_is_exit_code_2(arguments: list[str]) -> None:
     assert CliRunner().invoke(app, arguments).exit_code == 2
 
 
-@pytest.mark.parametrize("arguments", [["synth", ""], ["prepare", ""], ["eval", "--workspace", ""]])
+@pytest.mark.parametrize(
+    "arguments", [["synth", ""], ["prepare", ""], ["eval", "--workspace", ""], ["export", "--package", "", ""]]
+)
 def test_an_empty_argument_is_not_the_current_folder(
     arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

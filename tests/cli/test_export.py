@@ -133,6 +133,17 @@ def test_wrong_arguments_are_one_line(folder: Path, run: Run, arguments: str, me
     assert contents(Path()) == before
 
 
+def test_an_empty_package_gives_relative_paths(folder: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    urdf = Path("ros/mine/mine.urdf")
+    assert kinmo(f"kinmo export {folder} --format urdf,joints_json --package mine -o ros", *run)[0] == 0
+    assert "package://mine/" in urdf.read_text(encoding="utf-8")
+    monkeypatch.setattr(sys, "argv", ["kinmo", "export", "ros/mine", "--package", ""])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code in (0, None)
+    assert "package://" not in urdf.read_text(encoding="utf-8")
+
+
 def test_a_folder_with_other_files_stays(folder: Path, run: Run) -> None:
     Path("robots/cabinet").mkdir(parents=True)
     Path("robots/cabinet/notes.txt").touch()
