@@ -97,8 +97,9 @@ def test_the_commands_of_the_guide_run(line: str, folder: Path, run: Run) -> Non
 def test_a_mistake_is_one_line_and_exit_code_1(folder: Path, run: Run, overrides: str, message: str) -> None:
     (folder / "overrides.toml").write_text(overrides, encoding="utf-8")
     before = contents(folder)
-    code, _, err = kinmo(f"kinmo export {folder} --quiet", *run)
-    assert code == 1 and err == f"skipped: {folder / 'overrides.toml'}: {message}\n"
+    line = f"{folder / 'overrides.toml'}: {message}"
+    assert kinmo(f"kinmo export {folder} --quiet", *run) == (1, "", f"skipped: {line}\n")
+    assert kinmo(f"kinmo export {folder} --dry-run", *run) == (1, f"{line}\n", "")
     assert contents(folder) == before
 
 

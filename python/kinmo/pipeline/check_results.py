@@ -55,7 +55,7 @@ class CheckResults:
                 continue
             count += len(planned)
             steps.append(f"check {printable_path(job.folder)}: {', '.join(each.title for each in planned)}")
-        return Plan(tuple(steps), count * SECONDS_PER_CHECK / self.workers, tuple(impossible))
+        return Plan(tuple(steps), count * SECONDS_PER_CHECK / self.workers, tuple(impossible), len(impossible))
 
     def run(self, observer: Observer) -> Outcome:
         """Test all results. One that fails or crashes does not stop the others."""

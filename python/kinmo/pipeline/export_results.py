@@ -71,7 +71,7 @@ class ExportResults:
                 continue
             words = "" if result.estimate.correction is None else f", corrected by {OVERRIDES_FILE}"
             steps.append(f"write {job.target}: {', '.join(formats)}{words}")
-        return Plan(tuple(steps), len(steps) * SECONDS_PER_RESULT / self.workers, tuple(impossible))
+        return Plan(tuple(steps), len(steps) * SECONDS_PER_RESULT / self.workers, tuple(impossible), len(impossible))
 
     def run(self, observer: Observer) -> Outcome:
         """Export all predictions. One that cannot be exported does not stop the others."""
