@@ -103,7 +103,9 @@ def test_only_exports_of_the_same_result_are_replaced(tmp_path: Path) -> None:
     target.mkdir(parents=True)
     (target / "notes.txt").write_text("mine", encoding="utf-8")
     outcome = stage.run(Recorder())
-    assert outcome.data["skipped"] == [f"{target}: exists, and is no export of the same result: name another folder by --out"]
+    assert outcome.path is None and outcome.data["skipped"] == [
+        f"{target}: exists, and is no export of the same result: name another folder by --out"
+    ]
     assert [path.name for path in target.iterdir()] == ["notes.txt"]
     (target / "notes.txt").unlink()
     assert stage.run(Recorder()).failed == 0

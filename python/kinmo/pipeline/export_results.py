@@ -97,7 +97,12 @@ class ExportResults:
         total = f"{counted(len(exported), 'result')}, {joints}, {corrected} corrected, {len(skipped)} skipped"
         text = "\n".join([*lines, total]) if len(exported) <= MAX_LISTED_RESULTS else total
         path = jobs[0].target if len(jobs) == 1 else self.out or self.results
-        return Outcome(path, {"results": [each.data for _, each in exported], "skipped": skipped}, text, failed=len(skipped))
+        return Outcome(
+            path if exported else None,
+            {"results": [each.data for _, each in exported], "skipped": skipped},
+            text,
+            failed=len(skipped),
+        )
 
     def _export(self, jobs: list[ExportJob], caches: _Caches, observer: Observer) -> dict[Path, ExportedResult | str]:
         """Results, or messages about problems, by folder."""
