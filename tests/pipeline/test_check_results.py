@@ -201,7 +201,7 @@ def test_one_bad_result_stops_no_other(result: Path) -> None:
         f"{result.parent / 'none'}: has no file that usd-core can read: kinmo export {result.parent / 'none'} --format usd "
         "writes one"
     ]
-    assert outcome.text.splitlines()[-1] == "3 objects: 1 load, 0 rest, 0 move, 1 agree, 1 work"
+    assert outcome.text.splitlines()[-1] == "3 objects: 1 of 1 load, 1 of 1 agree, 1 work"
 
 
 def test_a_plan_names_the_files_and_simulators(result: Path) -> None:
