@@ -156,7 +156,7 @@ class PredictShapes:
                     files = [job.folder / name for name in answer]
                     cache.store(job.folder.name, job.key, files, {"source": _source(job.found)})
                 done += 1
-                observer.progress("predicting joints", done, len(targets), job.found.id)
+                observer.progress("predicting joints", done, len(targets), clean_text(job.folder.name))
         if (line := removed_line(earlier, writer.formats)) is not None:
             observer.note(line)
         return problems
