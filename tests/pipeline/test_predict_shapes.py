@@ -371,6 +371,14 @@ def test_the_terminal_shows_every_joint_and_its_score(
     assert lines == ["cabinet (category Cabinet)", f"  door: hinge, 0 to 90°, {words}", "1 shape, 1 joint, 0 skipped"]
 
 
+def test_many_shapes_are_totals_and_the_place_of_their_joints(stage: PredictShapes, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(predict_shapes, "MAX_LISTED_SHAPES", 1)
+    for name in ("bed", "desk"):
+        write_partnet(stage.sources[0] / name)
+    lines = stage.run(Recorder()).text.splitlines()
+    assert lines == ["2 shapes, 0 joints, 0 skipped", f"each joint with its score: {stage.out}/*/joints.json"]
+
+
 @pytest.mark.parametrize(
     ("category", "note"),
     [

@@ -107,7 +107,8 @@ class PredictShapes:
         count = counted(sum(document["joints"] for document in documents), "joint")
         repairs = f", {repaired} repaired" if repaired else ""
         total = f"{counted(len(documents), 'shape')}, {count}{repairs}, {len(skipped)} skipped"
-        text = "\n".join([*lines, total]) if len(documents) <= MAX_LISTED_SHAPES else total
+        where = f"each joint with its score: {self.out / '*' / FILE_NAME}"
+        text = "\n".join([*lines, total] if len(documents) <= MAX_LISTED_SHAPES else [total, where])
         data = {"shapes": documents, "skipped": skipped, "uncorrected": list(uncorrected.values())}
         return Outcome(self.out if documents else None, data, text, failed=len(skipped) + len(uncorrected))
 
