@@ -94,6 +94,13 @@ def test_an_empty_argument_is_not_the_current_folder(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("command", ["predict", "export"])
+def test_formats_have_both_spellings(command: str) -> None:
+    for option in ("--format", "--formats"):
+        result = CliRunner().invoke(app, [command, "nowhere", option, "urdf"])
+        assert result.exit_code == 1 and "nowhere: no such" in result.output
+
+
 ONLY_WORKSPACE = "applies only to the workspace's own shapes and scans, not to FILES"
 
 

@@ -59,6 +59,7 @@ def predict(
         str,
         Option(
             "--format",
+            "--formats",
             metavar="NAMES",
             help="Formats beside joints.json, with commas between: urdf, mjcf, usd, glb, partnet_mobility.",
         ),
