@@ -21,9 +21,10 @@ shape = kinmo.load(options.shape or min(Path("demo/partnet/partnet").iterdir()))
 prediction = kinmo.Predictor(options.workspace).predict(shape)
 
 opened = {}
-for joint in prediction.joints:  # halfway open where there are limits
-    low, high = joint.joint.lower, joint.joint.upper
-    opened[joint.name] = 0.5 * (low + high) if low is not None and high is not None else joint.joint.rest + 0.5
+for predicted in prediction.joints:  # as far as they move from the pose of the file
+    joint = predicted.joint
+    limits = [limit for limit in (joint.upper, joint.lower) if limit is not None]
+    opened[predicted.name] = max(limits, key=lambda limit: abs(limit - joint.rest)) if limits else joint.rest + 0.5
 
 for name, pose in prediction.articulate(opened).items():  # {link: [4, 4]}
     print(f"{name}: moved by {np.round(pose[:3, 3], 3)}")

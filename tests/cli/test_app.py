@@ -79,7 +79,9 @@ def test_wrong_usage_is_exit_code_2(arguments: list[str]) -> None:
     assert CliRunner().invoke(app, arguments).exit_code == 2
 
 
-@pytest.mark.parametrize("arguments", [["synth", ""], ["prepare", ""], ["eval", "--workspace", ""]])
+@pytest.mark.parametrize(
+    "arguments", [["synth", ""], ["prepare", ""], ["eval", "--workspace", ""], ["export", "--package", "", ""]]
+)
 def test_an_empty_argument_is_not_the_current_folder(
     arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -90,6 +92,13 @@ def test_an_empty_argument_is_not_the_current_folder(
     assert ended.value.code == 2
     assert capsys.readouterr().err == "kinmo: an argument is empty: is a variable not set?\n"
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", ["predict", "export"])
+def test_formats_have_both_spellings(command: str) -> None:
+    for option in ("--format", "--formats"):
+        result = CliRunner().invoke(app, [command, "nowhere", option, "urdf"])
+        assert result.exit_code == 1 and "nowhere: no such" in result.output
 
 
 ONLY_WORKSPACE = "applies only to the workspace's own shapes and scans, not to FILES"

@@ -45,6 +45,11 @@ def test_a_line_for_each_object_the_totals_and_the_path_are_printed(results, mon
         "1 object: 1 load, 1 rest, 1 move, 1 agree, 1 work",
         str(results / "cabinet"),
     ]
+    _, out, _ = kinmo(f"kinmo check {results} --simulator usd", monkeypatch, capfd)
+    assert out.splitlines()[1:4:2] == [
+        "cabinet  yes    -      -      yes     yes",
+        "1 object: 1 load, 1 agree, 1 work",
+    ]
     assert kinmo(f"kinmo check {results} --simulator usd --quiet", monkeypatch, capfd)[1] == f"{results / 'cabinet'}\n"
     code, out, _ = kinmo(f"kinmo check {results} --simulator usd --dry-run", monkeypatch, capfd)
     assert code == 0 and out.splitlines()[0] == f"check {results / 'cabinet'}: USD in usd-core"

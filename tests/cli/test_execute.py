@@ -211,6 +211,17 @@ def test_a_dry_run_names_what_is_impossible_and_what_is_up_to_date(capsys: pytes
     assert capsys.readouterr().out == "nothing: everything that is possible is up to date\nrow 1: cannot be run\n"
 
 
+def test_a_dry_run_of_what_would_fail_is_exit_code_1(capsys: pytest.CaptureFixture[str]) -> None:
+    class Wrong(Sample):
+        def plan(self) -> Plan:
+            return Plan((), 0.0, ("cup: no such file",), 1)
+
+    with pytest.raises(Exit) as stop:
+        execute(CommonOptions(dry_run=True), Wrong())
+    assert stop.value.exit_code == 1
+    assert capsys.readouterr().out == "cup: no such file\n"
+
+
 def test_an_unforeseen_error_says_how_to_see_more(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(Exit), one_line_errors():
         raise RuntimeError("no such axis")

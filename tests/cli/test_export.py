@@ -97,8 +97,9 @@ def test_the_commands_of_the_guide_run(line: str, folder: Path, run: Run) -> Non
 def test_a_mistake_is_one_line_and_exit_code_1(folder: Path, run: Run, overrides: str, message: str) -> None:
     (folder / "overrides.toml").write_text(overrides, encoding="utf-8")
     before = contents(folder)
-    code, _, err = kinmo(f"kinmo export {folder} --quiet", *run)
-    assert code == 1 and err == f"skipped: {folder / 'overrides.toml'}: {message}\n"
+    line = f"{folder / 'overrides.toml'}: {message}"
+    assert kinmo(f"kinmo export {folder} --quiet", *run) == (1, "", f"skipped: {line}\n")
+    assert kinmo(f"kinmo export {folder} --dry-run", *run) == (1, f"{line}\n", "")
     assert contents(folder) == before
 
 
@@ -131,6 +132,17 @@ def test_wrong_arguments_are_one_line(folder: Path, run: Run, arguments: str, me
     before = contents(Path())
     assert kinmo(f"kinmo export {arguments}", *run) == (1, "", f"kinmo: {message}\n")
     assert contents(Path()) == before
+
+
+def test_an_empty_package_gives_relative_paths(folder: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    urdf = Path("ros/mine/mine.urdf")
+    assert kinmo(f"kinmo export {folder} --format urdf,joints_json --package mine -o ros", *run)[0] == 0
+    assert "package://mine/" in urdf.read_text(encoding="utf-8")
+    monkeypatch.setattr(sys, "argv", ["kinmo", "export", "ros/mine", "--package", ""])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code in (0, None)
+    assert "package://" not in urdf.read_text(encoding="utf-8")
 
 
 def test_a_folder_with_other_files_stays(folder: Path, run: Run) -> None:

@@ -13,6 +13,7 @@ import pytest
 from cabinet_results import result_in
 from trained_workspace import Recorder, contents
 
+import kinmo
 from kinmo.core.errors import InputError
 from kinmo.pipeline.check_results import CheckResults
 from kinmo.pipeline.export_results import ExportResults
@@ -68,6 +69,16 @@ def test_a_good_object_works_in_every_simulator(good: Path) -> None:
         "USD in usd-core: 1 of 1 work",
         "1 object: 1 load, 1 rest, 1 move, 1 agree, 1 work",
     ]
+
+
+def test_corrections_that_are_only_saved_come_with_the_remedy(result: Path) -> None:
+    edit(result / "overrides.toml", "flip = true", "flip = false")
+    kinmo.Prediction.load(result).with_overrides(result / "overrides.toml").save(result)
+    (found,) = problems(result, "usd")
+    assert found.startswith("USD in usd-core does not agree: door is off by ")
+    assert found.endswith(" from joints.json: run kinmo export again")
+    assert ExportResults(result).run(Recorder()).failed == 0
+    assert problems(result, "usd") == []
 
 
 def test_a_result_without_collision_geometry_is_named(result: Path) -> None:
@@ -201,7 +212,7 @@ def test_one_bad_result_stops_no_other(result: Path) -> None:
         f"{result.parent / 'none'}: has no file that usd-core can read: kinmo export {result.parent / 'none'} --format usd "
         "writes one"
     ]
-    assert outcome.text.splitlines()[-1] == "3 objects: 1 load, 0 rest, 0 move, 1 agree, 1 work"
+    assert outcome.text.splitlines()[-1] == "3 objects: 1 of 1 load, 1 of 1 agree, 1 work"
 
 
 def test_a_plan_names_the_files_and_simulators(result: Path) -> None:

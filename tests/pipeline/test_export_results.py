@@ -103,7 +103,9 @@ def test_only_exports_of_the_same_result_are_replaced(tmp_path: Path) -> None:
     target.mkdir(parents=True)
     (target / "notes.txt").write_text("mine", encoding="utf-8")
     outcome = stage.run(Recorder())
-    assert outcome.data["skipped"] == [f"{target}: exists, and is no export of the same result: name another folder by --out"]
+    assert outcome.path is None and outcome.data["skipped"] == [
+        f"{target}: exists, and is no export of the same result: name another folder by --out"
+    ]
     assert [path.name for path in target.iterdir()] == ["notes.txt"]
     (target / "notes.txt").unlink()
     assert stage.run(Recorder()).failed == 0
@@ -160,7 +162,7 @@ def test_exports_below_the_results_are_no_results(results: Path) -> None:
 
 
 def test_the_folder_of_a_ros_package_has_its_name(results: Path, tmp_path: Path) -> None:
-    stage = ExportResults(results / "b", ("urdf",), tmp_path / "ros", package="b_description")
+    stage = ExportResults(results / "b", ("urdf", "joints_json"), tmp_path / "ros", package="b_description")
     for _ in range(2):
         recorder = Recorder()
         folder = stage.run(recorder).path
@@ -170,6 +172,8 @@ def test_the_folder_of_a_ros_package_has_its_name(results: Path, tmp_path: Path)
     file = folder / "b_description.urdf"
     assert "package://b_description/meshes/" in file.read_text(encoding="utf-8")
     assert not any("skipped" in line for line in kinmo.load(file).repairs)
+    once = contents(folder)
+    assert ExportResults(folder, package="b_description").run(Recorder()).failed == 0 and contents(folder) == once
 
 
 def test_predict_regards_exported_results_as_up_to_date(results: Path, tmp_path: Path) -> None:
@@ -200,9 +204,11 @@ def test_what_cannot_be_exported_is_one_line(results: Path, tmp_path: Path) -> N
         (ExportResults(tmp_path / "empty"), r"empty: expected a result of kinmo predict, with joints\.json, at or below it"),
         (ExportResults(results, ("lego",)), "formats: unknown format lego; expected one of"),
         (ExportResults(results, source=tmp_path / "a.glb"), "--source: applies only to one result; found 3 below"),
+        (ExportResults(results, out=tmp_path / "ros", package="p"), "--package: applies only to one result; found 3"),
+        (ExportResults(results, package="p"), "--package: applies only to one result; found 3"),
         (
-            ExportResults(results, out=tmp_path / "ros", package="p"),
-            "--package: with --out applies only to one result; found 3",
+            ExportResults(results / "a", package="p"),
+            "--package: ROS looks for it in a folder of that name, not in a: add -o FOLDER to write FOLDER/p",
         ),
         (ExportResults(results / "a", out=results), "--out: .*a would be replaced: leave --out away"),
         (ExportResults(results / "a", out=results / "a"), "--out: lies in the result .*a: name a folder elsewhere"),

@@ -340,11 +340,13 @@ def test_shapes_of_the_same_name_go_into_folders_named_by_their_paths(trained: T
     recorder = Recorder()
     found = stage.run(recorder)
     assert [Path(shape["folder"]).name for shape in found.data["shapes"]] == ["kitchen__scene", "lab__scene"]
+    titles = [line.split()[0] for line in found.text.splitlines() if "(category" in line]
+    assert titles == ["kitchen__scene", "lab__scene"]
     for place, shape in zip(("kitchen", "lab"), found.data["shapes"], strict=True):
         assert shape["id"] == "scene" and shape["source"] == str(tmp_path / "shapes" / place / "scene")
         assert source_of(Path(shape["folder"])) == shape["source"]
         size = 100.0 * shape["diagonal"]
-        assert f"scene: {size:.0f} m across: set --metres-per-unit if the file is not in metres" in recorder.notes
+        assert f"{place}__scene: {size:.0f} m across: set --metres-per-unit if the file is not in metres" in recorder.notes
         assert size_of_robot(Path(shape["urdf"])) == pytest.approx(size, rel=1e-6)
     assert stage.plan().steps == (), "it is done"
     for call in (replace(stage, out=tmp_path / "shapes").plan, lambda: replace(stage, out=tmp_path / "shapes").run(Recorder())):
@@ -382,6 +384,14 @@ def test_the_terminal_shows_every_joint_and_its_score(
     write_partnet(stage.sources[0] / "cabinet")
     lines = stage.run(Recorder()).text.splitlines()
     assert lines == ["cabinet (category Cabinet)", f"  door: hinge, 0 to 90°, {words}", "1 shape, 1 joint, 0 skipped"]
+
+
+def test_many_shapes_are_totals_and_the_place_of_their_joints(stage: PredictShapes, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(predict_shapes, "MAX_LISTED_SHAPES", 1)
+    for name in ("bed", "desk"):
+        write_partnet(stage.sources[0] / name)
+    lines = stage.run(Recorder()).text.splitlines()
+    assert lines == ["2 shapes, 0 joints, 0 skipped", f"each joint with its score: {stage.out}/*/joints.json"]
 
 
 @pytest.mark.parametrize(
@@ -444,7 +454,7 @@ def test_equal_guesses_about_several_shapes_are_one_line(stage: PredictShapes) -
     stage.run(recorder)
     lines = [line for line in recorder.notes if line.startswith("guessed")]
     options = "(if wrong: --up, --metres-per-unit, --category)"
-    assert lines == [f"guessed for 3 shapes, such as scene: up +y (glTF), 1 unit = 1 m, category unknown {options}"]
+    assert lines == [f"guessed for 3 shapes, such as a__scene: up +y (glTF), 1 unit = 1 m, category unknown {options}"]
 
 
 def test_what_is_stated_is_not_guessed(stage: PredictShapes) -> None:

@@ -50,9 +50,9 @@ def test_low_scores_make_a_guessed_up_direction_doubtful(changes: dict[str, Any]
 
 def test_equal_guesses_share_a_line() -> None:
     others = [
-        document(id="bed", guessed=GUESS),
-        document(id="desk", guessed=GUESS),
-        document(id="lamp", guessed={"up": "up +z"}),
+        document(folder="out/bed", guessed=GUESS),
+        document(folder="out/desk", guessed=GUESS),
+        document(folder="out/lamp", guessed={"up": "up +z"}),
     ]
     assert notes(*others) == [
         "guessed for 2 shapes, such as bed: up +y (OBJ) (if wrong: --up)",

@@ -5,9 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from cabinet_results import result_in
 from datasets import write_partnet
+from trained_workspace import Recorder
 
 from kinmo.core.errors import InputError
+from kinmo.pipeline.export_results import ExportResults
 from kinmo.pipeline.prediction_targets import prediction_targets
 
 
@@ -51,3 +54,13 @@ def test_a_source_without_shapes_stops_no_other(tmp_path: Path) -> None:
     assert problems[1].startswith(f"{tmp_path / 'empty'}: expected at least one shape")
     with pytest.raises(InputError, match="empty: expected at least one shape"):
         prediction_targets([tmp_path / "empty"], tmp_path / "out")
+
+
+def test_results_are_no_shapes_and_the_message_says_so(tmp_path: Path) -> None:
+    result = result_in(tmp_path)
+    assert ExportResults(result, ("urdf", "mjcf")).run(Recorder()).failed == 0
+    problem = "has results of kinmo predict, but no other shape: kinmo export writes results again"
+    for source in (result, result.parent):
+        for out in (tmp_path / "predicted", result.parent):
+            with pytest.raises(InputError, match=f"{source}: {problem}"):
+                prediction_targets([source], out)

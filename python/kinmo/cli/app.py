@@ -6,6 +6,7 @@ import inspect
 import os
 import sys
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Annotated, Any
 
 from typer import Exit, Option, Typer
@@ -39,6 +40,9 @@ def _for_rich(text: str) -> str:
     blocks = text.strip("\n").split("\n\n")
     return "\n\n".join(f"\b\n{block}" if block.startswith("  ") else block.replace("\n", " ") for block in blocks)
 
+
+MAY_BE_EMPTY = ("--package",)
+"""Options with a value that may be empty."""
 
 # Read when torch is first imported: threads that spin while they wait slow down everything else on a busy machine.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
@@ -105,7 +109,8 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-    if "" in sys.argv[1:]:  # as a path it would mean the current folder
+    # As a path, an empty argument would mean the current folder.
+    if any(not word and before not in MAY_BE_EMPTY for before, word in pairwise(sys.argv)):
         print("kinmo: an argument is empty: is a variable not set?", file=sys.stderr)
         sys.exit(2)
     app()

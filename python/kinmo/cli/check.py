@@ -29,9 +29,10 @@ def check(
 ) -> None:
     """Test if results work in simulators, and say why not.
 
-    Each file of a result is loaded by each simulator that reads it. It loads without a warning, stays at rest but for parts
-    that gravity opens, moves through the range of every joint, and its links are where kinmo expects them. USD is validated
-    and its joints are moved, without physics (docs/guide/simulators.md).
+    Each URDF, MJCF and USD file of a result is loaded by each simulator that reads it. It loads without a warning, stays at
+    rest but for parts that gravity opens, moves through the range of every joint, and its links are where kinmo expects them.
+    USD has no physics: the file is validated and its links are compared, but rests and moves are not tested
+    (docs/guide/simulators.md).
 
     Prints a line for each object with the first problem, and the path. --json has all problems. The exit code is 1 if an object
     does not work. Nothing is written. A simulator that crashes or hangs fails that object alone.

@@ -29,10 +29,13 @@ def execute(options: CommonOptions, stage: Stage) -> None:
     """Run a stage and print its result; with --dry-run print its plan.
 
     Raises:
-        Exit: with code 1, if something that the user asked for failed.
+        Exit: with code 1, if something that the user asked for failed, or is impossible.
     """
     if options.dry_run:
-        _print_plan(stage.plan(), options.json)
+        plan = stage.plan()
+        _print_plan(plan, options.json)
+        if plan.failed:
+            raise Exit(FAILED)
         return
     with observer(options.quiet) as shown:
         outcome = stage.run(shown)
@@ -51,8 +54,10 @@ def _print_plan(plan: Plan, as_json: bool) -> None:
     if as_json:
         print(json.dumps([asdict(plan)], indent=1))
         return
-    nothing = "nothing: everything that is possible is up to date" if plan.impossible else "nothing: everything is up to date"
-    print(*(plan.steps or [nothing]), *plan.impossible, sep="\n")
+    steps = plan.steps
+    if not steps and not plan.failed:
+        steps = (f"nothing: everything{' that is possible' if plan.impossible else ''} is up to date",)
+    print(*steps, *plan.impossible, sep="\n")
     if plan.seconds:
         print(f"about {duration(plan.seconds)}")
 

@@ -59,6 +59,7 @@ def predict(
         str,
         Option(
             "--format",
+            "--formats",
             metavar="NAMES",
             help="Formats beside joints.json, with commas between: urdf, mjcf, usd, glb, partnet_mobility.",
         ),
@@ -82,10 +83,10 @@ def predict(
 ) -> None:
     """Predict the joints of your own shapes, or of the object in a depth scan.
 
-    A shape is a 3D file (.glb, .gltf, .obj, .ply, .stl, .dae, .3mf, .usd) or a folder (docs/reference/formats.md). Its nodes
-    are the parts; a single mesh is split into loose pieces and at creases. Each shape gets a folder with joints.json (every
-    joint with its score and alternatives) and a URDF with its meshes. Shapes that cannot be read are skipped; the exit code
-    is then 1.
+    A shape is a 3D file (.glb, .gltf, .obj, .ply, .stl, .dae, .3mf, .usd), a robot (.urdf, MJCF .xml) or a folder
+    (docs/reference/formats.md). Its nodes are the parts; a single mesh is split into loose pieces and at creases. Each shape
+    gets a folder with joints.json (every joint with its score and alternatives) and a URDF with its meshes. Shapes that cannot
+    be read are skipped; the exit code is then 1.
 
     A scan shows one object of a --category that kinmo train ancsh was run for (docs/guide/scans.md). It is an .npz or .npy file
     with points or depths, a .ply file, or a depth image (.png, .tif). The result has parts, boxes, poses, joints and joint

@@ -23,7 +23,7 @@ def view(
     ] = None,
     host: Annotated[str, Option(help="Address of the page; 0.0.0.0 lets other machines see it.")] = "127.0.0.1",
     port: Annotated[int, Option(min=1, max=65535, help="Port of the page. If it is taken, the next free one.")] = 8080,
-    no_browser: Annotated[bool, Option("--no-browser", help="Only print the address; do not open a browser.")] = False,
+    no_browser: Annotated[bool, Option("--no-browser", help="Print the address, and open no browser.")] = False,
     source: Annotated[
         Path | None, Option(help="File or folder of the shape, if it is in another place than before.", show_default=False)
     ] = None,

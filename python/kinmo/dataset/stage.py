@@ -32,11 +32,13 @@ class Plan:
         steps: one line per step; empty if everything is up to date.
         seconds: rough estimate for this machine; 0 if there is nothing to do.
         impossible: one line for each part that cannot be done, with the reason.
+        failed: number of things that the user asked for and would not get.
     """
 
     steps: tuple[str, ...]
     seconds: float
     impossible: tuple[str, ...] = ()
+    failed: int = 0
 
 
 @dataclass(frozen=True)

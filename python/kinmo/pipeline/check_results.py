@@ -55,7 +55,7 @@ class CheckResults:
                 continue
             count += len(planned)
             steps.append(f"check {printable_path(job.folder)}: {', '.join(each.title for each in planned)}")
-        return Plan(tuple(steps), count * SECONDS_PER_CHECK / self.workers, tuple(impossible))
+        return Plan(tuple(steps), count * SECONDS_PER_CHECK / self.workers, tuple(impossible), len(impossible))
 
     def run(self, observer: Observer) -> Outcome:
         """Test all results. One that fails or crashes does not stop the others."""
@@ -161,7 +161,13 @@ def _text(rows: Sequence[_Row]) -> str:
     for title in dict.fromkeys(check.title for check in every):
         own = [check for check in every if check.title == title]
         lines.append(f"{title}: {sum(check.works for check in own)} of {len(own)} work")
-    sums = {test: sum(row.passes(test) is True for row in rows) for test in TESTS}
-    words = ", ".join(f"{count} {test[:-1]}" for test, count in sums.items())
-    lines.append(f"{counted(len(rows), 'object')}: {words}, {sum(row.works for row in rows)} work")
+    sums = [words for test in TESTS if (words := _sum(rows, test))]
+    lines.append(f"{counted(len(rows), 'object')}: {', '.join(sums)}, {sum(row.works for row in rows)} work")
     return "\n".join(lines)
+
+
+def _sum(rows: Sequence[_Row], test: str) -> str:
+    """Number of objects that pass a test, of those for which it was made if it was not made for all. Empty if for none."""
+    made = [answer for row in rows if (answer := row.passes(test)) is not None]
+    among = "" if len(made) == len(rows) else f" of {len(made)}"
+    return f"{sum(made)}{among} {test[:-1]}" if made else ""

@@ -44,7 +44,8 @@ class ExportResults:
     """Export the prediction in a folder, or all predictions below it, each with its own overrides.toml.
 
     Without `out`, the folders are written again, with their own formats and `formats`. Files that kinmo did not write stay.
-    With `out`, each prediction gets a folder in it. With a package too, the folder has the name of the package.
+    With `out`, each prediction gets a folder in it. With a package too, the folder has the name of the package. Without `out`,
+    it must have that name already.
     """
 
     results: Path
@@ -70,7 +71,7 @@ class ExportResults:
                 continue
             words = "" if result.estimate.correction is None else f", corrected by {OVERRIDES_FILE}"
             steps.append(f"write {job.target}: {', '.join(formats)}{words}")
-        return Plan(tuple(steps), len(steps) * SECONDS_PER_RESULT / self.workers, tuple(impossible))
+        return Plan(tuple(steps), len(steps) * SECONDS_PER_RESULT / self.workers, tuple(impossible), len(impossible))
 
     def run(self, observer: Observer) -> Outcome:
         """Export all predictions. One that cannot be exported does not stop the others."""
@@ -96,7 +97,12 @@ class ExportResults:
         total = f"{counted(len(exported), 'result')}, {joints}, {corrected} corrected, {len(skipped)} skipped"
         text = "\n".join([*lines, total]) if len(exported) <= MAX_LISTED_RESULTS else total
         path = jobs[0].target if len(jobs) == 1 else self.out or self.results
-        return Outcome(path, {"results": [each.data for _, each in exported], "skipped": skipped}, text, failed=len(skipped))
+        return Outcome(
+            path if exported else None,
+            {"results": [each.data for _, each in exported], "skipped": skipped},
+            text,
+            failed=len(skipped),
+        )
 
     def _export(self, jobs: list[ExportJob], caches: _Caches, observer: Observer) -> dict[Path, ExportedResult | str]:
         """Results, or messages about problems, by folder."""
@@ -136,8 +142,11 @@ class ExportResults:
             raise InputError(self.results, f"expected a result of kinmo predict, with {FILE_NAME}, at or below it")
         if self.source is not None and len(folders) > 1:
             raise InputError("--source", f"applies only to one result; found {len(folders)} below {self._root}")
-        if self.package and self.out is not None and len(folders) > 1:
-            problem = f"with --out applies only to one result; found {len(folders)} below {self._root}: export each by itself"
+        if self.package and len(folders) > 1:
+            problem = f"applies only to one result; found {len(folders)} below {self._root}: export each by itself"
+            raise InputError("--package", problem)
+        if self.package and self.out is None and (name := folders[0].resolve().name) != self.package:
+            problem = f"ROS looks for it in a folder of that name, not in {name}: add -o FOLDER to write FOLDER/{self.package}"
             raise InputError("--package", problem)
         return folders
 

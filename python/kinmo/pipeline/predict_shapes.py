@@ -107,7 +107,8 @@ class PredictShapes:
         count = counted(sum(document["joints"] for document in documents), "joint")
         repairs = f", {repaired} repaired" if repaired else ""
         total = f"{counted(len(documents), 'shape')}, {count}{repairs}, {len(skipped)} skipped"
-        text = "\n".join([*lines, total]) if len(documents) <= MAX_LISTED_SHAPES else total
+        where = f"each joint with its score: {self.out / '*' / FILE_NAME}"
+        text = "\n".join([*lines, total] if len(documents) <= MAX_LISTED_SHAPES else [total, where])
         data = {"shapes": documents, "skipped": skipped, "uncorrected": list(uncorrected.values())}
         return Outcome(self.out if documents else None, data, text, failed=len(skipped) + len(uncorrected))
 
@@ -156,7 +157,7 @@ class PredictShapes:
                     files = [job.folder / name for name in answer]
                     cache.store(job.folder.name, job.key, files, {"source": _source(job.found)})
                 done += 1
-                observer.progress("predicting joints", done, len(targets), job.found.id)
+                observer.progress("predicting joints", done, len(targets), clean_text(job.folder.name))
         if (line := removed_line(earlier, writer.formats)) is not None:
             observer.note(line)
         return problems

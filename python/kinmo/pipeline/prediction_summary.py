@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -58,8 +58,13 @@ def summary_of(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[s
             "notes": [str(note) for note in document.get("export", {}).get("notes", ())],
             "corrected": "correction" in document,
         }
-    title = f"{clean_text(found.id)} (category {clean_text(summary['category']) or 'unknown'})"
+    title = f"{_name(summary)} (category {clean_text(summary['category']) or 'unknown'})"
     return summary, [title, *(joints or [NO_JOINTS])]
+
+
+def _name(document: Mapping[str, Any]) -> str:
+    """Name of a result, which is that of its folder: several shapes may have the same id."""
+    return clean_text(Path(document["folder"]).name)
 
 
 def notes_about(documents: Sequence[dict[str, Any]], uncorrected: Container[Path]) -> Iterator[str]:
@@ -70,12 +75,12 @@ def notes_about(documents: Sequence[dict[str, Any]], uncorrected: Container[Path
         uncorrected: Folders whose corrections could not be applied.
     """
     for document in [document for document in documents if document["repairs"]][:MAX_NOTED_SHAPES]:
-        yield f"repaired: {document['id']}: {'; '.join(document['repairs'])}"
+        yield f"repaired: {_name(document)}: {'; '.join(document['repairs'])}"
     for document in [document for document in documents if document["notes"]][:MAX_NOTED_SHAPES]:
-        yield f"export of {document['id']}: {'; '.join(document['notes'])}"
+        yield f"export of {_name(document)}: {'; '.join(document['notes'])}"
     yield from _guess_lines(documents)
     for document in documents:
-        name, folder = document["id"], Path(document["folder"])
+        name, folder = _name(document), Path(document["folder"])
         if (size := document["diagonal"] * document["metres_per_unit"]) > SUSPICIOUS_SIZE:
             yield f"{name}: {size:.0f} m across: set --metres-per-unit if the file is not in metres"
         if document["corrected"] and folder not in uncorrected:
@@ -91,12 +96,12 @@ def notes_about(documents: Sequence[dict[str, Any]], uncorrected: Container[Path
 
 def _guess_lines(documents: Sequence[dict[str, Any]]) -> list[str]:
     """Lines about guesses: one line for all shapes with the same guesses."""
-    ids: dict[str, list[str]] = {}
+    names: dict[str, list[str]] = {}
     for document in documents:
         if document["guessed"]:
             options = ", ".join(f"--{name.replace('_', '-')}" for name in document["guessed"])
-            ids.setdefault(f"{', '.join(document['guessed'].values())} (if wrong: {options})", []).append(document["id"])
+            names.setdefault(f"{', '.join(document['guessed'].values())} (if wrong: {options})", []).append(_name(document))
     if len(documents) == 1:
-        return [f"guessed: {line}" for line in ids]
-    named = {line: same[0] if len(same) == 1 else f"{len(same)} shapes, such as {same[0]}" for line, same in ids.items()}
-    return [f"guessed for {shapes}: {line}" for line, shapes in named.items()]
+        return [f"guessed: {line}" for line in names]
+    shapes = {line: same[0] if len(same) == 1 else f"{len(same)} shapes, such as {same[0]}" for line, same in names.items()}
+    return [f"guessed for {which}: {line}" for line, which in shapes.items()]

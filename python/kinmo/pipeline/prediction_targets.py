@@ -12,6 +12,7 @@ from kinmo.core.names import short_name
 from kinmo.core.wording import clean_text, counted, printable_path
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.readers import PARTNET_MOBILITY
+from kinmo.pipeline.export_results import find_results
 from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
 
@@ -53,8 +54,10 @@ def _search(source: Path, out: Path) -> tuple[list[ShapeSource], list[str]]:
     problems: list[InputError] = []
     shapes = list(discover(source, skip=(out,), report=problems.append))
     if not shapes and not problems:
-        if out.resolve() == source.resolve():
+        if out.resolve() == source.resolve() and next(discover(source), None) is not None:
             raise InputError("--out", "is the folder with the shapes: name another")
+        if next(find_results(source), None) is not None:
+            raise InputError(source, "has results of kinmo predict, but no other shape: kinmo export writes results again")
         scans = sum(path.suffix.lower() in SCAN_SUFFIXES for path in source.rglob("*"))
         hint = f". Found {counted(scans, 'scan')}: for scans, add --category" if scans else ""
         raise InputError(source, f"expected at least one shape at or below it (docs/reference/formats.md){hint}")

@@ -121,4 +121,6 @@ def kinematics_problems(simulator: Simulator, kinematics: Kinematics, seed: int 
             error = float(np.abs(pose - expected[link] @ still[link]).max())
             if error > worst:
                 worst, name = error, link
-    return [] if worst <= MAX_POSE_ERROR else [f"does not agree: {name} is off by {worst:.1e}"]
+    if worst <= MAX_POSE_ERROR:
+        return []
+    return [f"does not agree: {name} is off by {worst:.1e} from joints.json: run kinmo export again"]

@@ -68,7 +68,7 @@ class MakeTable:
     def plan(self) -> Plan:
         """List the rows that are not done, with their stages."""
         self._check_options()
-        steps, impossible, seconds = [], [], 0.0
+        steps, impossible, seconds, failed = [], [], 0.0, 0
         known: dict[Stage, Plan] = {}
         for row, category, seed in self._rows():
             name = f"{category}, {row.title}, seed {seed}"
@@ -79,7 +79,8 @@ class MakeTable:
                     seconds += plan.seconds
             except InputError as error:
                 impossible.append(f"{name}: cannot be run: {error}")
-        return Plan(tuple(steps), seconds, tuple(impossible))
+                failed += self._is_failure(row, category, seed)
+        return Plan(tuple(steps), seconds, tuple(impossible), failed)
 
     def run(self, observer: Observer) -> Outcome:
         """Do what is missing, and write the table."""
@@ -103,11 +104,14 @@ class MakeTable:
             except (InputError, ChildProcessError) as error:
                 observer.problem(f"not run: {name}: {error}")
                 scores.record_reason(getattr(error, "problem", str(error)))
-                # few workspaces have oracle labels
-                failed += not (row.setting == "oracle" and self._cannot_be_run(row, category, seed))
+                failed += self._is_failure(row, category, seed)
         seeds = {category: self._shown_seeds(category) for category in self._categories()}
         written = WrittenTables(self.workspace, self.name, self.details).write(seeds, self.protocol)
         return replace(written, failed=failed)
+
+    def _is_failure(self, row: TableRow, category: str, seed: int) -> bool:
+        """True if a row with an error counts as failed. Few workspaces have oracle labels."""
+        return not (row.setting == "oracle" and self._cannot_be_run(row, category, seed))
 
     def _check_options(self) -> None:
         """Raise InputError for options with which no row could be run."""
