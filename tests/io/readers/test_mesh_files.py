@@ -11,6 +11,7 @@ import pytest
 import trimesh
 from datasets import box_obj, write_dsg_net, write_partnet
 from gltf_files import PARTS, box, cabinet
+from obj_files import obj
 
 import kinmo
 from kinmo.core.errors import InputError
@@ -18,51 +19,11 @@ from kinmo.core.shape import Shape
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.source_files import fingerprint
 
-TRIANGLE = "v {0} 0 0\nv {0} 1 0\nv {0} 0 1\nf -3 -2 -1\n"
-
 
 def names(shape: Shape) -> list[tuple[str, str]]:
     """Name of the parent and of each part below the root, sorted."""
     inner = [(shape.parts[part.parent], part) for part in shape.parts if part.parent is not None]
     return sorted((above.name, part.name) for above, part in inner)
-
-
-def obj(path: Path, *lines: str) -> Path:
-    """An OBJ file with a triangle after each line, each one at another place."""
-    path.write_text("".join(f"{line}\n{TRIANGLE.format(i)}" for i, line in enumerate(lines)), encoding="utf-8")
-    return path
-
-
-@pytest.mark.parametrize("key", ["o", "g", "usemtl"])
-def test_the_only_division_of_an_obj_file_gives_the_parts(key: str, tmp_path: Path) -> None:
-    path = obj(tmp_path / "a.obj", f"{key} door", f"{key} body", f"  {key}\tdoor", f"{key} knob  # small")
-    shape = kinmo.load(path)
-    assert names(shape) == [("", "body"), ("", "door"), ("", "knob")]
-    assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"door": 2, "body": 1, "knob": 1}
-
-
-def test_groups_are_below_the_objects_that_have_several(tmp_path: Path) -> None:
-    shape = kinmo.load(obj(tmp_path / "a.obj", "o left\ng leaf", "g knob", "o right\ng leaf", "o body"))
-    assert names(shape) == [("", "body"), ("", "left"), ("", "right"), ("left", "knob"), ("left", "leaf")]
-
-
-def test_materials_divide_nothing_where_groups_do(tmp_path: Path) -> None:
-    shape = kinmo.load(obj(tmp_path / "a.obj", "g door\nusemtl wood", "usemtl steel", "g body\nusemtl wood"))
-    assert names(shape) == [("", "body"), ("", "door")]
-
-
-def test_faces_above_the_first_group_have_no_name(tmp_path: Path) -> None:
-    shape = kinmo.load(obj(tmp_path / "a.obj", "# header", "g door", "g"))
-    assert names(shape) == [("", ""), ("", "door")]
-
-
-def test_polygons_of_an_obj_file_stay_in_their_group(tmp_path: Path) -> None:
-    text = "\n".join(["g all", box_obj((0, 0, 0), (1, 1, 1)).replace("o box\n", "")])
-    second = "v 9 0 0\nv 9 1 0\nv 9 1 1\nv 9 0.5 2\nv 9 0 1\ng five\nf -5 -4 -3 -2 -1\nl 1 2\n"
-    (tmp_path / "a.obj").write_text(text + second)
-    shape = kinmo.load(tmp_path / "a.obj")
-    assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"all": 12, "five": 3}
-    assert shape.repairs == ("materials box.mtl (missing) ignored: 1", "points and lines ignored: 1")
 
 
 def test_the_solids_of_a_text_stl_are_the_parts(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ MESH_FOLDER = "mesh_folder"
 _SCENE_READERS = {".obj": read_obj_scene, ".ply": read_ply_scene, ".stl": read_stl_scene}
 _WHOLE_SHAPES = tuple(ending for reader in (GLB_READER, USD_READER, DAE_READER, THREEMF_READER) for ending in reader.endings)
 """Endings of files that are shapes of their own."""
-_OBJECT = re.compile(rb"^[ \t]*(?:o|g)[ \t]+[^\r\n]+", re.MULTILINE)
+_DIVISION = re.compile(rb"^[ \t]*(o|g)[ \t]+([^\r\n]+)", re.MULTILINE)
 
 
 def read_mesh_folder(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
@@ -69,7 +69,11 @@ def _is_whole(file: Path) -> bool:
     """True for an OBJ file with several objects or groups, and for a scan."""
     if file.suffix.lower() == ".ply":
         return PLY_READER.id_of_file(file) is None
-    return file.suffix.lower() == ".obj" and len(set(_OBJECT.findall(peek(file, file.parent)))) > 1
+    if file.suffix.lower() != ".obj":
+        return False
+    found = _DIVISION.findall(peek(file, file.parent))
+    groups = {name for key, name in found if key == b"g"}  # a repeated group is one, but repeated objects are several
+    return sum(key == b"o" for key, _ in found) + len(groups) > 1
 
 
 def _source_files(path: Path) -> SourceFiles:
