@@ -69,3 +69,8 @@ def test_polygons_of_an_obj_file_stay_in_their_group(tmp_path: Path) -> None:
     shape = kinmo.load(tmp_path / "a.obj")
     assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"all": 12, "five": 3}
     assert shape.repairs == ("materials box.mtl (missing) ignored: 1", "points and lines ignored: 1")
+
+
+def test_faces_of_fewer_than_three_corners_are_said(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "o door", "o body\nf 1 2\nf 1", "o knob"))
+    assert shape.repairs == ("faces of fewer than three corners ignored: 2",)

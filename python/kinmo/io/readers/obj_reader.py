@@ -34,7 +34,7 @@ def read_obj(path: Path, folder: Path, materials: MtlMaterials | None = None) ->
 def parse_obj(data: bytes, where: Path, materials: MtlMaterials | None = None) -> Mesh | None:
     """The triangles of OBJ text from the file `where`, without unused vertices. None if it has no faces.
 
-    They have their look if `materials` is given, which reads the MTL files.
+    They have their look if `materials` is given, which reads the MTL files and receives what is not read.
     """
     found = parse_polygons(obj_lines(data), where, materials)
     return None if found is None else found[0]
@@ -78,6 +78,8 @@ def parse_polygons(text: bytes, where: Path, materials: MtlMaterials | None = No
     chosen, polygons = triangulate(vertices[corners], np.arange(len(corners)), found.sizes, where)
     look = None
     if materials is not None:
+        for _ in range(int(np.count_nonzero(found.sizes < 3))):
+            materials.ignore("faces of fewer than three corners")
         colors = _colors(vertex_lines)
         of_corners = None if colors is None else colors[corners]
         look = obj_look(text, where, found, chosen, face_places(text)[polygons], of_corners, materials)

@@ -50,7 +50,7 @@ def read_obj_scene(path: Path) -> Scene:
     builder = SceneBuilder(path)
     found = parse_polygons(text, path, MtlMaterials(path.parent, builder.ignore))
     if found is None:
-        raise InputError(path, "no part has geometry: expected faces")
+        raise InputError(path, "no part has geometry: expected faces of three or more corners")
     mesh, polygons = found
     places = face_places(text)[polygons]
     divisions = _divisions(text)
