@@ -6,7 +6,7 @@ Lines are converted in bulk, because a shape of PartNet-Mobility has about fifty
 from __future__ import annotations
 
 import re
-from codecs import BOM_UTF8
+from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +41,9 @@ def parse_obj(data: bytes, where: Path, materials: MtlMaterials | None = None) -
 
 
 def obj_lines(data: bytes) -> bytes:
-    """OBJ text with a line break before every line, and with continued lines joined."""
+    """OBJ text as UTF-8, with a line break before every line, and with continued lines joined."""
+    if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):  # from some tools of Windows
+        data = data.decode("utf-16", "replace").encode()
     text = b"\n" + data.removeprefix(BOM_UTF8)
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -119,7 +121,7 @@ def _corners(lines: list[bytes], *, with_look: bool) -> Corners:
     wrong = ~is_number | ~(blank[after] | (text[after] == ord("/")))
     if wrong.any():
         start = int(starts[int(np.argmax(wrong))])
-        raise ValueError(f"found {text[start : start + 16].tobytes().split()[0]!r}")
+        raise ValueError(f"found {text[start : start + 16].tobytes().split()[0].decode('utf-8', 'replace')}")
     none = np.zeros(len(starts), np.int64)
     if not with_look or not np.any(text[after] == ord("/")):
         return Corners(values, none, none, sizes)
