@@ -240,6 +240,23 @@ def test_a_single_link_is_a_shape_with_a_note(tmp_path):
     assert "one link has geometry" in shape.repairs[0]
 
 
+@pytest.mark.parametrize(
+    ("geometry", "note"),
+    [
+        ("", "visual without geometry: skipped"),
+        ("<geometry/>", "visual without geometry: skipped"),
+        ('<geometry><box size="-0.7 0.4 0.02"/></geometry>', "box with the size -0.7 0.4 0.02, below 0: skipped"),
+        ('<geometry><cylinder radius="1" length="-2"/></geometry>', "cylinder with the length -2, below 0: skipped"),
+        ('<geometry><sphere radius="0"/></geometry>', "1 piece without a surface: skipped"),
+    ],
+)
+def test_a_visual_that_shows_nothing_is_noted(tmp_path, geometry, note):
+    path = tmp_path / "a.urdf"
+    good = LINK.format("b", 1)
+    path.write_text(f"<robot name='r'>{good.replace('</link>', f'<visual>{geometry}</visual></link>')}</robot>")
+    assert f"link b: {note}" in kinmo.load(path).repairs
+
+
 def test_meshes_of_a_package_of_ros_are_found(tmp_path):
     package = write_cabinet(
         tmp_path / "checkout",

@@ -34,6 +34,9 @@ _PACKAGE_FILE = "package.xml"
 """File by which a package of ROS is recognised."""
 _PACKAGE = re.compile(rb"""["'](?:package|model)://([^/"']+)/""")
 """Name of a package of ROS, or of a model of Gazebo, in the path of a file."""
+_ROUND = {"radius": 1, "length": 1}
+_SIZES = {"box": {"size": 3}, "cylinder": _ROUND, "capsule": _ROUND, "sphere": {"radius": 1}}
+"""Attributes that give the size of each solid, and how many numbers they have."""
 
 
 def read_urdf(path: Path) -> Shape:
@@ -72,13 +75,15 @@ def read_robot_file(
     role = "visual" if root.find("link/visual") is not None else "collision"
     meshes = RobotMeshes(path, home, report, materials)
     looks = None if materials is None else UrdfMaterials(path, root, home, materials)
-    pieces = {
-        name: [piece for each in element.findall(role) if (piece := _piece(path, meshes, each, looks)) is not None]
-        for name, element in elements.items()
-    }
+    repairs: list[str] = []
+    pieces: dict[str, list[RobotPiece]] = {}
+    for name, element in elements.items():
+        found = [_piece(path, meshes, each, looks, f"link {clean_text(name)}", repairs) for each in element.findall(role)]
+        pieces[name] = [piece for piece in found if piece is not None]
     named = (mesh_path(mesh.get("filename") or "", path, home) for mesh in root.findall("link/*/geometry/mesh"))
     above = {joint.child: joint for joint in joints}
-    return RobotFile(path, clean_text(root.get("name") or ""), links, above, pieces, tuple(dict.fromkeys(named)))
+    title = clean_text(root.get("name") or "")
+    return RobotFile(path, title, links, above, pieces, tuple(dict.fromkeys(named)), tuple(repairs))
 
 
 def _home(path: Path) -> Path:
@@ -136,16 +141,23 @@ def _limits(path: Path, element: ET.Element | None) -> tuple[float, float] | Non
     return (lower, upper) if -MAX_NUMBER <= lower < upper <= MAX_NUMBER else None
 
 
-def _piece(path: Path, meshes: RobotMeshes, element: ET.Element, looks: UrdfMaterials | None) -> RobotPiece | None:
-    """The piece of a visual or collision element. None if it has no mesh."""
+def _piece(
+    path: Path, meshes: RobotMeshes, element: ET.Element, looks: UrdfMaterials | None, link: str, repairs: list[str]
+) -> RobotPiece | None:
+    """The piece of a visual or collision element of a link. None if it has no mesh, which the repairs say."""
     pose = _pose(path, element.find("origin"))
     shape = next(iter(element.findall("geometry/*")), None)
     if shape is None:
+        repairs.append(f"{link}: {element.tag} without geometry: skipped")
         return None
 
     def number(field: str) -> float:
         return float(read_numbers(path, shape.attrib, field, (1.0,))[0])
 
+    for field, count in _SIZES.get(shape.tag, {}).items():
+        if np.any(read_numbers(path, shape.attrib, field, (1.0,) * count) < 0.0):
+            repairs.append(f"{link}: {shape.tag} with the {field} {clean_text(shape.attrib[field])}, below 0: skipped")
+            return None
     mesh: Mesh | None
     if shape.tag == "mesh":
         file = shape.get("filename") or ""
