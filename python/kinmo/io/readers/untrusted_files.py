@@ -18,7 +18,8 @@ from kinmo.io.readers.json_field import JsonField
 MAX_JSON_BYTES = 32 << 20
 MAX_MESH_BYTES = 128 << 20
 MAX_SCENE_BYTES = 1 << 30
-_PEEK_BYTES = 1 << 16
+PEEK_BYTES = 1 << 16
+"""Bytes at the beginning of a file by which its format is recognised."""
 _LFS_POINTER = b"version https://git-lfs.github.com/spec/v1"
 _OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
@@ -76,7 +77,7 @@ def read_beginning(path: Path, folder: Path, count: int) -> bytes:
 def peek(path: Path, folder: Path) -> bytes:
     """The first 64 KiB of a regular file, to recognise its format. Empty if the file cannot be read."""
     try:
-        return read_beginning(path, folder, _PEEK_BYTES)
+        return read_beginning(path, folder, PEEK_BYTES)
     except InputError:
         return b""
 
