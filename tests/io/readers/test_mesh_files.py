@@ -14,7 +14,6 @@ from gltf_files import PARTS, box, cabinet
 from obj_files import obj
 
 import kinmo
-from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.source_files import fingerprint
@@ -24,26 +23,6 @@ def names(shape: Shape) -> list[tuple[str, str]]:
     """Name of the parent and of each part below the root, sorted."""
     inner = [(shape.parts[part.parent], part) for part in shape.parts if part.parent is not None]
     return sorted((above.name, part.name) for above, part in inner)
-
-
-def test_the_solids_of_a_text_stl_are_the_parts(tmp_path: Path) -> None:
-    facet = "facet normal 0 0 0\nouter loop\nvertex {0} 0 0\nvertex {0} 1 0\nvertex {0} 0 1\nendloop\nendfacet\n"
-    solids = "".join(f"solid {name}\n{facet.format(i)}endsolid {name}\n" for i, name in enumerate(["Door", "", "Door"]))
-    (tmp_path / "a.stl").write_text(solids)
-    assert names(kinmo.load(tmp_path / "a.stl")) == [("", ""), ("", "Door"), ("", "Door")]
-
-
-def test_vertices_of_an_stl_file_are_shared(tmp_path: Path) -> None:
-    trimesh.util.concatenate([box((1, 1, 1)), box((1, 1, 1), (3, 0, 0))]).export(tmp_path / "a.stl")
-    assert [len(mesh.vertices) for mesh in kinmo.load(tmp_path / "a.stl").meshes()] == [8, 8]
-
-
-@pytest.mark.parametrize(("length", "got"), [(300, "1284 bytes, as its header says, got 300"), (40, "an STL file")])
-def test_an_stl_file_that_is_cut_off_is_an_error(length: int, got: str, tmp_path: Path) -> None:
-    trimesh.util.concatenate([box((1, 1, 1)), box((1, 1, 1), (3, 0, 0))]).export(tmp_path / "a.stl")
-    (tmp_path / "a.stl").write_bytes((tmp_path / "a.stl").read_bytes()[:length])
-    with pytest.raises(InputError, match=f"expected {got}.*: export it again"):
-        kinmo.load(tmp_path / "a.stl")
 
 
 def test_a_ply_file_with_points_alone_is_no_shape(tmp_path: Path) -> None:
