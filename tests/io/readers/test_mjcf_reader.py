@@ -191,6 +191,12 @@ def test_a_folder_above_the_file_may_have_what_it_names(tmp_path: Path) -> None:
         read_mjcf_robot(path, refuse)
 
 
+def test_files_that_include_each_other_are_named(tmp_path: Path) -> None:
+    (tmp_path / "b.xml").write_text('<mujocoinclude><body><include file="a.xml"/></body></mujocoinclude>')
+    with pytest.raises(InputError, match=r"b\.xml: include: a\.xml includes itself"):
+        read(tmp_path, '<include file="b.xml"/>')
+
+
 def test_included_files_are_read(tmp_path: Path) -> None:
     inner = '<mujocoinclude><body name="inner"><geom type="box" size="1 1 1"/></body></mujocoinclude>'
     (tmp_path / "inner.xml").write_text(inner)
@@ -243,8 +249,9 @@ OUTSIDE = '<asset><mesh name="m" file="../m.obj"/></asset>'
         (MESH, OUTSIDE, "leads out of the folder"),
         (MESH, '<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0" face="0 1 3"/></asset>', r"triangles of vertices 0\.\.2"),
         (MESH, '<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 2 2 0"/></asset>', "vertices around a volume"),
-        ('<include file="a.xml"/>', "", "includes more than|nested deeper"),
-        ('<include file="../b.xml"/>', "", "leads out of the folder"),
+        ('<include file="a.xml"/>', "", r"a\.xml: include: a\.xml includes itself"),
+        ('<include file="none.xml"/>', "", r"a\.xml: include: none\.xml is missing"),
+        ('<include file="../b.xml"/>', "", r"a\.xml: include: \.\./b\.xml: leads out of the folder"),
         ('<geom class="none" size="1"/>', "", "there is no default class none"),
         ('<geom type="box" size="1 1"/>', "", "expected 3 finite numbers"),
         ('<geom type="box" size="1 -1 1"/>', "", "sizes above 0"),
