@@ -72,12 +72,18 @@ def read_ply_mesh(data: bytes, path: Path) -> Mesh:
         for element in elements:
             columns, place = _read_element(rows, place, element)
             if element.name == "vertex":
+                if not {"x", "y", "z"} <= columns.keys():
+                    raise InputError(path, f"expected x, y and z, found {_listed(columns)}", "vertex")
                 vertices = np.stack([columns[axis].values for axis in "xyz"], axis=1)
                 colors = _colors(element, columns)
             elif element.name == "face":
-                found = next(columns[name] for name in _CORNERS if name in columns)
+                found = next((columns[name] for name in _CORNERS if name in columns), None)
+                if found is None:
+                    raise InputError(path, f"expected a list {' or '.join(_CORNERS)}, found {_listed(columns)}", "face")
                 corners, sizes = found.values, found.sizes
-    except (ValueError, KeyError, StopIteration, OverflowError, struct.error) as error:
+    except InputError:
+        raise
+    except (ValueError, OverflowError, struct.error) as error:
         raise InputError(path, f"expected a whole PLY file with vertices x, y, z and faces ({error})") from None
     if not np.all((corners >= 0) & (corners < len(vertices))):
         raise InputError(path, f"a face names a vertex outside 0..{len(vertices) - 1}")
@@ -86,6 +92,10 @@ def read_ply_mesh(data: bytes, path: Path) -> Mesh:
     if colors is not None:
         look = Look((), np.full(len(faces), NO_MATERIAL, np.int32), colors=colors[faces].astype(np.float32))
     return checked(Mesh(vertices, faces.astype(np.uint32), look).compact, path)
+
+
+def _listed(columns: dict[str, _Column]) -> str:
+    return clean_text(", ".join(columns))
 
 
 def _colors(element: _Element, columns: dict[str, _Column]) -> NDArray[np.float64] | None:
