@@ -67,6 +67,13 @@ def test_a_concave_face_keeps_its_notch():
     assert read_ply_mesh(text.encode(), WHERE).face_areas.sum() == pytest.approx(7.0)
 
 
+def test_faces_of_fewer_than_three_corners_are_said():
+    said = []
+    text = ply("ascii").replace(b"0.5 3 0 1 4", b"0.5 2 0 1")
+    assert len(read_ply_mesh(text, WHERE, said.append).faces) == 2
+    assert said == ["faces of fewer than three corners"]
+
+
 @pytest.mark.parametrize("form", FORMS)
 def test_a_file_that_is_cut_off_is_an_error(form):
     whole = ply(form)

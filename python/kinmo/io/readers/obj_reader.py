@@ -17,7 +17,7 @@ from kinmo.core.shape import Mesh
 from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.obj_look import Corners, obj_look
-from kinmo.io.readers.polygons import triangulate
+from kinmo.io.readers.polygons import LESS_THAN_A_TRIANGLE, triangulate
 from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, read_bytes
 
 _MAX_DIGITS = 10
@@ -81,7 +81,7 @@ def parse_polygons(text: bytes, where: Path, materials: MtlMaterials | None = No
     look = None
     if materials is not None:
         for _ in range(int(np.count_nonzero(found.sizes < 3))):
-            materials.ignore("faces of fewer than three corners")
+            materials.ignore(LESS_THAN_A_TRIANGLE)
         colors = _colors(vertex_lines)
         of_corners = None if colors is None else colors[corners]
         look = obj_look(text, where, found, chosen, face_places(text)[polygons], of_corners, materials)

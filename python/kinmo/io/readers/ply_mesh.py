@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import struct
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from kinmo.core.look import NO_MATERIAL, Look
 from kinmo.core.shape import Mesh
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.mesh_limits import checked
-from kinmo.io.readers.polygons import triangulate
+from kinmo.io.readers.polygons import LESS_THAN_A_TRIANGLE, triangulate
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
@@ -57,12 +58,13 @@ class _Column:
     sizes: NDArray[np.int64]
 
 
-def read_ply_mesh(data: bytes, path: Path) -> Mesh:
+def read_ply_mesh(data: bytes, path: Path, ignore: Callable[[str], None] = lambda what: None) -> Mesh:
     """The triangles of a PLY file without unused vertices. Raises InputError for broken files.
 
     Args:
         data: content of the file.
         path: the file, for messages.
+        ignore: receives what is not read.
     """
     elements, rows = _parse(data, path)
     vertices, corners, sizes = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64)
@@ -87,6 +89,8 @@ def read_ply_mesh(data: bytes, path: Path) -> Mesh:
         raise InputError(path, f"expected a whole PLY file with vertices x, y, z and faces ({error})") from None
     if not np.all((corners >= 0) & (corners < len(vertices))):
         raise InputError(path, f"a face names a vertex outside 0..{len(vertices) - 1}")
+    for _ in range(int(np.count_nonzero(sizes < 3))):
+        ignore(LESS_THAN_A_TRIANGLE)
     faces, _ = triangulate(vertices, corners.astype(np.int64), sizes, path)
     look = None
     if colors is not None:

@@ -152,7 +152,8 @@ def read_mesh(path: Path, materials: MtlMaterials | None = None) -> Mesh:
     elif ending == ".stl":
         mesh = _whole(read_stl_scene(path), materials)
     elif ending == ".ply":
-        mesh = read_ply_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
+        ignore = (lambda what: None) if materials is None else materials.ignore
+        mesh = read_ply_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path, ignore)
     elif ending == ".off":
         mesh = read_off_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
     elif ending == ".msh":
