@@ -104,6 +104,6 @@ def test_what_is_missing_is_reported_and_the_rest_is_done(clones, tmp_path, caps
     told = capsys.readouterr()
     lines = told.err.splitlines()
     assert lines[0].startswith("maker/absent: not in") and lines[0].endswith("1 object left out")
-    assert "b-lost: lost.xml: missing" in lines
+    assert "b-lost: kinmo_wrapper.xml: lost.xml is missing: put it there, or correct the path" in lines
     assert told.out.splitlines()[-1].startswith("1 of 3 objects")
     assert [folder.name for folder in (tmp_path / "out").iterdir()] == ["b-safe"]

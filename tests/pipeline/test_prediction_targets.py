@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -64,3 +65,50 @@ def test_results_are_no_shapes_and_the_message_says_so(tmp_path: Path) -> None:
         for out in (tmp_path / "predicted", result.parent):
             with pytest.raises(InputError, match=f"{source}: {problem}"):
                 prediction_targets([source], out)
+
+
+POINTS = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n"
+
+
+def test_scans_and_empty_files_among_shapes_are_skipped(tmp_path: Path) -> None:
+    write_partnet(tmp_path / "a/door")
+    (tmp_path / "cloud.ply").write_text(POINTS)
+    (tmp_path / "empty.npz").touch()
+    targets, problems = prediction_targets([tmp_path / "cloud.ply", tmp_path / "empty.npz", tmp_path / "a"], tmp_path / "out")
+    assert [folder.name for _, folder in targets] == ["door"]
+    assert problems == [
+        f"{tmp_path / 'cloud.ply'}: is a scan, without faces: predict scans in a command of their own, with --category",
+        f"{tmp_path / 'empty.npz'}: is empty: write it again",
+    ]
+
+
+@pytest.mark.parametrize("name", ["locked.ply", "locked.xml", "locked.npz"])
+def test_a_file_that_cannot_be_read_stops_no_other(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_partnet(tmp_path / "a/door")
+    (tmp_path / name).write_text(POINTS)
+    opened = os.open
+
+    def refusing(path: str, flags: int, *rest: int) -> int:
+        if Path(path).name == name:
+            raise PermissionError(13, "Permission denied", str(path))
+        return opened(path, flags, *rest)
+
+    monkeypatch.setattr(os, "open", refusing)
+    targets, problems = prediction_targets([tmp_path / name, tmp_path / "a"], tmp_path / "out")
+    assert [folder.name for _, folder in targets] == ["door"]
+    assert problems == [f"{tmp_path / name}: cannot be read (Permission denied)"]
+
+
+def test_a_file_in_a_folder_that_must_not_be_searched_stops_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_partnet(tmp_path / "a/door")
+    looked = Path.is_dir
+
+    def refusing(path: Path) -> bool:
+        if "locked" in path.parts:
+            raise PermissionError(13, "Permission denied", str(path))
+        return looked(path)
+
+    monkeypatch.setattr(Path, "is_dir", refusing)
+    targets, problems = prediction_targets([tmp_path / "locked/a.glb", tmp_path / "a"], tmp_path / "out")
+    assert [folder.name for _, folder in targets] == ["door"]
+    assert problems == [f"{tmp_path / 'locked/a.glb'}: cannot be read (Permission denied)"]

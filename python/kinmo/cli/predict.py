@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -21,6 +22,7 @@ def predict(
             metavar="SHAPE",
             help="Shapes (files or folders), or folders with shapes anywhere below them. Or a scan, or a folder of scans.",
             show_default=False,
+            readable=False,  # one that cannot be read is skipped, and stops no other
         ),
     ],
     out: Annotated[Path, Option("--out", "-o", help="Folder for the results; each shape gets a folder in it.")] = Path(
@@ -111,13 +113,15 @@ def predict(
     workspace = Workspace(options.workspace)
     of_scans = {"--intrinsics": intrinsics, "--depth-scale": depth_scale}
     has_camera = any(value is not None for value in of_scans.values())
-    if scan := next((path for path in shapes if _has_scans(path, category is not None, has_camera)), None):
+    # scans beside shapes are skipped as other files that are no shapes
+    if all(_has_scans(path, category is not None, has_camera) for path in shapes):
+        scan, *others = shapes
         of_shapes = {"--up": up, "--front": front, "--metres-per-unit": metres_per_unit, "--labels": labels}
         refuse({**of_shapes, "--cluster": cluster}, "applies only to shapes; remove it, or name a shape")
         if category is None:
             problem = f"a scan such as {scan} needs --category, the category of the object in it; a shape needs faces"
             raise BadParameter(problem, param_hint="--category")
-        if len(shapes) > 1:
+        if others:
             raise BadParameter("expected one scan, or one folder of scans", param_hint="SHAPE...")
         from kinmo.pipeline.scans.predict_scans import PredictScans
         from kinmo.scans.files.camera_intrinsics import Intrinsics
@@ -156,13 +160,18 @@ def predict(
 
 
 def _has_scans(path: Path, has_category: bool, has_camera: bool) -> bool:
-    """True for a scan. With a category also for a folder that has no shapes, or whose camera is given."""
+    """True for a scan that can be read. With a category also for a folder that has no shapes, or whose camera is given."""
     from kinmo.io.readers.ply_reader import has_faces
     from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
-    if path.is_file() or not path.exists():
+    try:
+        is_there, is_file = path.exists(), path.is_file()
+    except PermissionError:  # the search for shapes names it
+        return False
+    if is_file or not is_there:
         suffix = path.suffix.lower()
-        return suffix in SCAN_SUFFIXES and not (suffix == ".ply" and path.is_file() and has_faces(path))
+        is_mesh = suffix == ".ply" and is_file and has_faces(path)
+        return suffix in SCAN_SUFFIXES and not is_mesh and (not is_there or os.access(path, os.R_OK))
     if not has_category:
         return False
     from kinmo.io.discover import discover

@@ -13,7 +13,7 @@ from kinmo.core.shape import Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers import DSG_NET, READERS
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
-from kinmo.io.readers.untrusted_files import check_no_pointer, peek
+from kinmo.io.readers.untrusted_files import PEEK_BYTES, check_no_pointer, read_beginning
 
 WORKSPACE = "prepared/index.jsonl"
 """A file by which kinmo's own workspaces are recognised. The pseudo labels in them are no input shapes."""
@@ -91,7 +91,7 @@ def discover(
         if (found := _shape_in_file(root)) is not None:
             yield found
             return
-        check_no_pointer(peek(root, root.parent), root)
+        check_no_pointer(read_beginning(root, root.parent, PEEK_BYTES), root)
     if not root.is_dir():
         endings = ", ".join(ending for reader in READERS.values() for ending in reader.endings)
         if not root.exists():
@@ -103,9 +103,14 @@ def discover(
     while pending:
         folder, depth, with_meshes = pending.pop()
         real = os.path.realpath(folder)
-        if real in seen or (folder / WORKSPACE).is_file():
+        if real in seen:
             continue
         seen.add(real)
+        if not os.access(folder, os.R_OK | os.X_OK):
+            report(InputError(folder, "cannot be listed: allow reading it (chmod u+rx)"))
+            continue
+        if (folder / WORKSPACE).is_file():
+            continue
         try:
             listed = [entry for entry in os.scandir(folder) if not entry.name.startswith(".")]
         except OSError as error:

@@ -11,7 +11,9 @@ from kinmo.core.errors import InputError
 from kinmo.core.names import short_name
 from kinmo.core.wording import clean_text, counted, printable_path
 from kinmo.io.discover import ShapeSource, discover
-from kinmo.io.readers import PARTNET_MOBILITY
+from kinmo.io.readers import PARTNET_MOBILITY, READERS
+from kinmo.io.readers.ply_reader import PLY
+from kinmo.io.readers.untrusted_files import PEEK_BYTES, check_no_pointer, read_beginning
 from kinmo.pipeline.export_results import find_results
 from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
@@ -34,17 +36,20 @@ def prediction_targets(sources: Sequence[Path], out: Path) -> tuple[list[tuple[S
     """
     problems: list[str] = []
     found: dict[Path, ShapeSource] = {}
+    places: list[Path] = []
     for source in sources:
         try:
+            places.append(_absolute(source if source.is_dir() else source.parent))
             shapes, lines = _search(source, out)
-        except InputError as error:
+        except (InputError, PermissionError) as error:
+            problem = InputError(source, f"cannot be read ({error.strerror})") if isinstance(error, OSError) else error
             if len(sources) == 1:
-                raise
-            shapes, lines = [], [str(error)]
+                raise problem from None
+            shapes, lines = [], [str(problem)]
         problems += lines
         for shape in shapes:
             found.setdefault(_absolute(shape.path), shape)
-    above = os.path.commonpath([_absolute(source if source.is_dir() else source.parent) for source in sources])
+    above = os.path.commonpath(places) if places else ""
     names = _folder_names(list(found.values()), list(found), Path(above))
     return [(shape, out / name) for shape, name in zip(found.values(), names, strict=True)], problems
 
@@ -52,6 +57,7 @@ def prediction_targets(sources: Sequence[Path], out: Path) -> tuple[list[tuple[S
 def _search(source: Path, out: Path) -> tuple[list[ShapeSource], list[str]]:
     """The shapes at or below a path, and a line for each folder that cannot be searched."""
     problems: list[InputError] = []
+    _check_no_scan(source)
     shapes = list(discover(source, skip=(out,), report=problems.append))
     if not shapes and not problems:
         if out.resolve() == source.resolve() and next(discover(source), None) is not None:
@@ -62,6 +68,18 @@ def _search(source: Path, out: Path) -> tuple[list[ShapeSource], list[str]]:
         hint = f". Found {counted(scans, 'scan')}: for scans, add --category" if scans else ""
         raise InputError(source, f"expected at least one shape at or below it (docs/reference/formats.md){hint}")
     return shapes, list(map(str, problems))
+
+
+def _check_no_scan(source: Path) -> None:
+    """Raise InputError for a file that may hold a scan and no shape, and for one that cannot be read."""
+    if source.suffix.lower() not in SCAN_SUFFIXES or not source.is_file():
+        return
+    begin = read_beginning(source, source.parent, PEEK_BYTES)
+    check_no_pointer(begin, source)
+    if not begin:
+        raise InputError(source, "is empty: write it again")
+    if READERS[PLY].id_of_file(source) is None:
+        raise InputError(source, "is a scan, without faces: predict scans in a command of their own, with --category")
 
 
 def _folder_names(shapes: Sequence[ShapeSource], places: Sequence[Path], above: Path) -> list[str]:

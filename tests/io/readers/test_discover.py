@@ -140,6 +140,16 @@ def test_links_to_what_is_found_anyway_are_skipped(tmp_path):
     assert found_in(tmp_path) == {("glb", "one"), ("glb", "two"), ("glb", "chair")}
 
 
+def test_a_folder_that_must_not_be_read_is_reported_by_its_own_path(tmp_path, monkeypatch):
+    write_partnet(tmp_path / "a" / "door")
+    (tmp_path / "locked").mkdir()
+    allowed = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "locked" and allowed(path, mode))
+    notes = []
+    assert [found.id for found in discover(tmp_path, report=notes.append)] == ["door"]
+    assert list(map(str, notes)) == [f"{tmp_path / 'locked'}: cannot be listed: allow reading it (chmod u+rx)"]
+
+
 @pytest.mark.parametrize(
     "name", ["a.glb", "a.gltf", "a.obj", "a.ply", "a.stl", "a.dae", "a.3mf", "a.usdc", "a.json", "x_hier/a.json"]
 )

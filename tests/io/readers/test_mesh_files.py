@@ -1,9 +1,8 @@
-"""OBJ, PLY, STL, DAE, 3MF and USD files, and folders of meshes."""
+"""PLY, DAE and USD files, noise in every format, and folders of meshes."""
 
 from __future__ import annotations
 
 import sys
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -11,78 +10,18 @@ import pytest
 import trimesh
 from datasets import box_obj, write_dsg_net, write_partnet
 from gltf_files import PARTS, box, cabinet
+from obj_files import obj
 
 import kinmo
-from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.source_files import fingerprint
-
-TRIANGLE = "v {0} 0 0\nv {0} 1 0\nv {0} 0 1\nf -3 -2 -1\n"
 
 
 def names(shape: Shape) -> list[tuple[str, str]]:
     """Name of the parent and of each part below the root, sorted."""
     inner = [(shape.parts[part.parent], part) for part in shape.parts if part.parent is not None]
     return sorted((above.name, part.name) for above, part in inner)
-
-
-def obj(path: Path, *lines: str) -> Path:
-    """An OBJ file with a triangle after each line, each one at another place."""
-    path.write_text("".join(f"{line}\n{TRIANGLE.format(i)}" for i, line in enumerate(lines)), encoding="utf-8")
-    return path
-
-
-@pytest.mark.parametrize("key", ["o", "g", "usemtl"])
-def test_the_only_division_of_an_obj_file_gives_the_parts(key: str, tmp_path: Path) -> None:
-    path = obj(tmp_path / "a.obj", f"{key} door", f"{key} body", f"  {key}\tdoor", f"{key} knob  # small")
-    shape = kinmo.load(path)
-    assert names(shape) == [("", "body"), ("", "door"), ("", "knob")]
-    assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"door": 2, "body": 1, "knob": 1}
-
-
-def test_groups_are_below_the_objects_that_have_several(tmp_path: Path) -> None:
-    shape = kinmo.load(obj(tmp_path / "a.obj", "o left\ng leaf", "g knob", "o right\ng leaf", "o body"))
-    assert names(shape) == [("", "body"), ("", "left"), ("", "right"), ("left", "knob"), ("left", "leaf")]
-
-
-def test_materials_divide_nothing_where_groups_do(tmp_path: Path) -> None:
-    shape = kinmo.load(obj(tmp_path / "a.obj", "g door\nusemtl wood", "usemtl steel", "g body\nusemtl wood"))
-    assert names(shape) == [("", "body"), ("", "door")]
-
-
-def test_faces_above_the_first_group_have_no_name(tmp_path: Path) -> None:
-    shape = kinmo.load(obj(tmp_path / "a.obj", "# header", "g door", "g"))
-    assert names(shape) == [("", ""), ("", "door")]
-
-
-def test_polygons_of_an_obj_file_stay_in_their_group(tmp_path: Path) -> None:
-    text = "\n".join(["g all", box_obj((0, 0, 0), (1, 1, 1)).replace("o box\n", "")])
-    second = "v 9 0 0\nv 9 1 0\nv 9 1 1\nv 9 0.5 2\nv 9 0 1\ng five\nf -5 -4 -3 -2 -1\nl 1 2\n"
-    (tmp_path / "a.obj").write_text(text + second)
-    shape = kinmo.load(tmp_path / "a.obj")
-    assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"all": 12, "five": 3}
-    assert shape.repairs == ("materials box.mtl (missing) ignored: 1", "points and lines ignored: 1")
-
-
-def test_the_solids_of_a_text_stl_are_the_parts(tmp_path: Path) -> None:
-    facet = "facet normal 0 0 0\nouter loop\nvertex {0} 0 0\nvertex {0} 1 0\nvertex {0} 0 1\nendloop\nendfacet\n"
-    solids = "".join(f"solid {name}\n{facet.format(i)}endsolid {name}\n" for i, name in enumerate(["Door", "", "Door"]))
-    (tmp_path / "a.stl").write_text(solids)
-    assert names(kinmo.load(tmp_path / "a.stl")) == [("", ""), ("", "Door"), ("", "Door")]
-
-
-def test_vertices_of_an_stl_file_are_shared(tmp_path: Path) -> None:
-    trimesh.util.concatenate([box((1, 1, 1)), box((1, 1, 1), (3, 0, 0))]).export(tmp_path / "a.stl")
-    assert [len(mesh.vertices) for mesh in kinmo.load(tmp_path / "a.stl").meshes()] == [8, 8]
-
-
-@pytest.mark.parametrize(("length", "got"), [(300, "1284 bytes, as its header says, got 300"), (40, "an STL file")])
-def test_an_stl_file_that_is_cut_off_is_an_error(length: int, got: str, tmp_path: Path) -> None:
-    trimesh.util.concatenate([box((1, 1, 1)), box((1, 1, 1), (3, 0, 0))]).export(tmp_path / "a.stl")
-    (tmp_path / "a.stl").write_bytes((tmp_path / "a.stl").read_bytes()[:length])
-    with pytest.raises(InputError, match=f"expected {got}.*: export it again"):
-        kinmo.load(tmp_path / "a.stl")
 
 
 def test_a_ply_file_with_points_alone_is_no_shape(tmp_path: Path) -> None:
@@ -124,68 +63,6 @@ def test_a_dae_file_has_its_own_hierarchy_axis_and_unit(tmp_path: Path) -> None:
         (tmp_path / "a.dae").write_text(broken)
         with pytest.raises(kinmo.InputError, match=r"a\.dae"):
             kinmo.load(tmp_path / "a.dae")
-
-
-MODEL = """<?xml version="1.0"?>
-<model unit="inch" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
- xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"><resources>{objects}</resources>
-<build>{items}</build></model>"""
-MESH = """<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex z="0" x="0" y="1"/></vertices>
-<triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>"""
-
-FAR_MESH = MESH.replace('v3="2"', 'v3="8"')
-
-
-def threemf(path: Path, objects: str, items: str, **others: str) -> Path:
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("3D/3dmodel.model", MODEL.format(objects=objects, items=items))
-        for name, text in others.items():
-            archive.writestr(f"3D/{name}.model", MODEL.format(objects=text, items=""))
-    return path
-
-
-def test_the_components_of_a_3mf_file_are_nodes(tmp_path: Path) -> None:
-    objects = f"""<object id="1" name="leaf">{MESH}</object><object id="2" type="support">{MESH}</object>
-        <object id="3" name="door"><components><component objectid="1"/>
-        <component objectid="7" p:path="/3D/other.model" transform="1 0 0 0 1 0 0 0 1 0 0 4"/></components></object>"""
-    items = '<item objectid="3"/><item objectid="1" transform="0 1 0 -1 0 0 0 0 1 5 0 0"/><item objectid="2"/>'
-    shape = kinmo.load(threemf(tmp_path / "a.3mf", objects, items, other=f'<object id="7">{MESH}</object>'))
-    assert names(shape) == [("", "door"), ("", "leaf"), ("door", ""), ("door", "leaf")]
-    assert (shape.up, shape.metres_per_unit, shape.repairs) == ((0.0, 0.0, 1.0), 0.0254, ("supports ignored: 1",))
-    (turned,) = (part.mesh for part in shape.parts if part.name == "leaf" and part.parent == 0)
-    assert turned is not None
-    assert turned.vertices.tolist() == [[5.0, 0.0, 0.0], [5.0, 1.0, 0.0], [4.0, 0.0, 0.0]]
-
-
-def test_materials_that_a_format_has_but_kinmo_does_not_read_are_said(tmp_path: Path) -> None:
-    colors = "".join(f'<base name="{name}" displaycolor="#ff0000"/>' for name in ("oak", "steel"))
-    colors = f'<basematerials id="9">{colors}</basematerials>'
-    objects = f'{colors}<object id="1" name="leaf">{MESH}</object><object id="2" name="body">{MESH}</object>'
-    shape = kinmo.load(threemf(tmp_path / "a.3mf", objects, '<item objectid="1"/><item objectid="2"/>'))
-    assert shape.repairs == ("materials ignored: 2",)
-
-
-@pytest.mark.parametrize(
-    ("objects", "items", "problem"),
-    [
-        ("", '<item objectid="4"/>', "object 4 is used, but not in the file"),
-        (
-            f'<object id="1">{FAR_MESH}</object>',
-            '<item objectid="1"/>',
-            "a triangle names a vertex outside 0..2",
-        ),
-        (f'<object id="1">{MESH.replace("x=", "w=")}</object>', '<item objectid="1"/>', "has no attribute x"),
-        (f'<object id="1">{MESH.replace("0", "zero")}</object>', '<item objectid="1"/>', "expected numbers"),
-        ('<object id="1"><components><component objectid="1"/></components></object>', '<item objectid="1"/>', "nested deeper"),
-        ("<object", "", "is no XML"),
-    ],
-)
-def test_a_broken_3mf_file_is_an_error(objects: str, items: str, problem: str, tmp_path: Path) -> None:
-    with pytest.raises(kinmo.InputError, match=problem):
-        kinmo.load(threemf(tmp_path / "a.3mf", objects, items))
-    (tmp_path / "b.3mf").write_bytes(b"PK\x03\x04")
-    with pytest.raises(kinmo.InputError, match="expected a readable 3MF file"):
-        kinmo.load(tmp_path / "b.3mf")
 
 
 USD = """#usda 1.0

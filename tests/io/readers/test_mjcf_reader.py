@@ -191,6 +191,12 @@ def test_a_folder_above_the_file_may_have_what_it_names(tmp_path: Path) -> None:
         read_mjcf_robot(path, refuse)
 
 
+def test_files_that_include_each_other_are_named(tmp_path: Path) -> None:
+    (tmp_path / "b.xml").write_text('<mujocoinclude><body><include file="a.xml"/></body></mujocoinclude>')
+    with pytest.raises(InputError, match=r"b\.xml: include: a\.xml includes itself"):
+        read(tmp_path, '<include file="b.xml"/>')
+
+
 def test_included_files_are_read(tmp_path: Path) -> None:
     inner = '<mujocoinclude><body name="inner"><geom type="box" size="1 1 1"/></body></mujocoinclude>'
     (tmp_path / "inner.xml").write_text(inner)
@@ -239,18 +245,23 @@ OUTSIDE = '<asset><mesh name="m" file="../m.obj"/></asset>'
     [
         ("", "", "no link has geometry"),
         (DEEP, "", "nested deeper than 64 levels"),
-        (MESH, "", "there is no mesh asset m"),
-        (MESH, OUTSIDE, "leads out of the folder"),
+        (MESH, "", r"a\.xml: body 1: geom: mesh: there is no mesh asset m"),
+        (MESH, OUTSIDE, r"leads out of the folder"),
         (MESH, '<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0" face="0 1 3"/></asset>', r"triangles of vertices 0\.\.2"),
         (MESH, '<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 2 2 0"/></asset>', "vertices around a volume"),
-        ('<include file="a.xml"/>', "", "includes more than|nested deeper"),
-        ('<include file="../b.xml"/>', "", "leads out of the folder"),
-        ('<geom class="none" size="1"/>', "", "there is no default class none"),
-        ('<geom type="box" size="1 1"/>', "", "expected 3 finite numbers"),
-        ('<geom type="box" size="1 -1 1"/>', "", "sizes above 0"),
+        ('<include file="a.xml"/>', "", r"a\.xml: include: a\.xml includes itself"),
+        ('<include file="none.xml"/>', "", r"a\.xml: include: none\.xml is missing"),
+        ('<include file="../b.xml"/>', "", r"a\.xml: include: \.\./b\.xml: leads out of the folder"),
+        ('<geom class="none" size="1"/>', "", r"a\.xml: body world: geom: there is no default class none"),
+        ('<geom type="box" name="top" size="1 1"/>', "", "body world: geom top: size: expected 3 finite numbers"),
+        ('<geom type="box" size="1 -1 1"/>', "", "body world: geom: size: expected sizes above 0"),
+        ('<geom size="1 x"/>', "", "body world: geom: size: expected 1 to 3 finite numbers"),
+        ('<geom size="1" rgba="1 1"/>', "", "body world: geom: rgba: expected 4 finite numbers"),
         ('<geom size="1e13"/>', "", "finite coordinates"),
-        (f'<body quat="0 0 0 0">{BASE}</body>', "", "quaternion that is not zero"),
-        (f'<body><joint axis="0 0 0"/>{BASE}</body>', "", "not zero"),
+        (f'<body quat="0 0 0 0">{BASE}</body>', "", r"a\.xml: body 1: quat: expected a quaternion that is not zero"),
+        (f'<body name="a">{BASE}<frame pos="x"/></body>', "", "body a: frame: pos: expected 3 finite numbers"),
+        (f'<body name="a"><joint axis="0 0 0"/>{BASE}</body>', "", "body a: joint: axis: expected a direction"),
+        (f'<body name="a"><joint name="j" range="0"/>{BASE}</body>', "", "body a: joint j: range: expected 2 finite"),
         (BASE, '<compiler eulerseq="xyw"/>', "order of axes"),
         (BASE, '<compiler coordinate="global"/>', "local coordinates"),
         (BASE, '<!DOCTYPE a [<!ENTITY b "c">]>', "document type"),

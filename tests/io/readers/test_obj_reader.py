@@ -62,6 +62,18 @@ def test_a_byte_order_mark_is_ignored():
     np.testing.assert_array_equal(plain.vertices[plain.faces], marked.vertices[marked.faces])
 
 
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_utf_16_with_its_mark_is_read(encoding):
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    found = parse_obj(f"\ufeff{text}".encode(encoding), WHERE)
+    np.testing.assert_array_equal(found.vertices, parse(text).vertices)
+
+
+def test_a_word_among_the_corners_of_a_face_is_quoted():
+    with pytest.raises(InputError, match=r"^some.obj: expected numbers \(found a\)$"):
+        parse("v 0 0 0\nf a b c\n")
+
+
 def test_unused_vertices_are_dropped_even_if_they_are_not_finite():
     found = parse("v nan 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n")
     assert len(found.vertices) == 3

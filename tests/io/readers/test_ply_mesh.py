@@ -67,6 +67,13 @@ def test_a_concave_face_keeps_its_notch():
     assert read_ply_mesh(text.encode(), WHERE).face_areas.sum() == pytest.approx(7.0)
 
 
+def test_faces_of_fewer_than_three_corners_are_said():
+    said = []
+    text = ply("ascii").replace(b"0.5 3 0 1 4", b"0.5 2 0 1")
+    assert len(read_ply_mesh(text, WHERE, said.append).faces) == 2
+    assert said == ["faces of fewer than three corners"]
+
+
 @pytest.mark.parametrize("form", FORMS)
 def test_a_file_that_is_cut_off_is_an_error(form):
     whole = ply(form)
@@ -81,7 +88,8 @@ def test_a_file_that_is_cut_off_is_an_error(form):
         (b"vertex 5", b"vertex 99999999999", "it has no 99999999999 rows"),
         (b"element face 2\n", b"element face -1\n", "it has no -1 rows"),
         (b"property double x", b"property text x", "expected a header of PLY, found property text x"),
-        (b"property double x", b"property double w", "vertices x, y, z"),
+        (b"property double x", b"property double w", "vertex: expected x, y and z, found w, red, y, z"),
+        (b"vertex_indices", b"corners", "face: expected a list vertex_indices or vertex_index, found .*corners"),
         (b"0 1 2 3", b"0 1 2 9", r"outside 0\.\.4"),
         (b"0 1 2 3", b"0 1 2 nan", r"outside 0\.\.4"),
         (b"0 1 2 3", b"0 1 two 3", "expected numbers below the header"),

@@ -115,7 +115,10 @@ def _box():
 
 
 CYCLE = (EMPTY.format("r"), LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b"), joint("fixed", "b", "a"))
-TWICE = (LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b"), joint("fixed", "a", "b"))
+TWO = (LINK.format("a", 1), LINK.format("b", 1))
+TWICE = (*TWO, joint("fixed", "a", "b"), joint("fixed", "a", "b"))
+MANY = tuple(map(EMPTY.format, "abcdefg"))
+XACRO = '<macro xmlns="http://www.ros.org/wiki/xacro" name="m"/>'
 AXES = "".join(f"property float {axis}\n" for axis in "xyz")
 MESH = '<link name="a"><visual><geometry><mesh filename="{0}"/></geometry></visual></link>'
 ORIGIN = '<origin xyz="1e308 0 0"/>'
@@ -125,16 +128,21 @@ ORIGIN = '<origin xyz="1e308 0 0"/>'
     ("elements", "problem"),
     [
         ((), "at least one link"),
-        ((EMPTY.format("a"), EMPTY.format("a")), "different names"),
-        ((LINK.format("a", 1), LINK.format("b", 1)), "one root"),
-        ((LINK.format("a", 1), joint("fixed", "a", "c")), "'c'"),
-        (TWICE, "one joint above"),
-        (CYCLE, "cycle"),
-        ((LINK.format("a", "nan"),), "finite"),
-        ((LINK.format("a", "1 2"),), "3 finite numbers"),
+        ((EMPTY.format("a"), EMPTY.format("a")), "link 2: expected links of different names, found a twice"),
+        ((LINK.format("a", 1), "<link/>"), "link 2: expected a name"),
+        (TWO, r"expected one root link, found 2 \(a, b\): join them with fixed joints"),
+        (MANY, r"found 7 \(a, b, c, d, e, \.\.\.\)"),
+        ((LINK.format("a", 1), joint("fixed", "a", "c")), "joint c_j: expected a link of the name 'c'"),
+        (TWICE, "joint b_j: expected one joint above link 'b'"),
+        (CYCLE, "expected a tree, found a cycle of joints between the links a, b"),
+        (CYCLE[1:], "expected a tree, found a cycle of joints between the links a, b"),
+        ((LINK.format("a", "nan"),), "link a: size: expected 3 finite"),
+        ((LINK.format("a", "1 2"),), "link a: size: expected 3 finite numbers"),
         ((LINK.format("a", "1e200"),), r"3 finite numbers, of at most 1e\+30"),
-        ((LINK.format("a", 1), LINK.format("b", 1), joint("fixed", "a", "b", ORIGIN)), r"at most 1e\+30"),
-        ((LINK.format("a", 1), LINK.format("b", 1), joint("revolute", "a", "b", '<axis xyz="0 0 1e-200"/>')), "not zero"),
+        ((*TWO, joint("fixed", "a", "b", ORIGIN)), r"joint b_j: xyz: expected 3 finite numbers, of at most 1e\+30"),
+        ((*TWO, joint("revolute", "a", "b", '<axis xyz="0 0 1e-200"/>')), "joint b_j: expected an axis that is not zero"),
+        ((LINK.format("${prefix}door", 1),), r"robot\.urdf: is a template, found \$\{prefix\}door: run `xacro"),
+        ((LINK.format("a", 1), XACRO), r"robot\.urdf: is a template, found xacro:macro: run `xacro"),
         ((MESH.format("no.obj"),), "found none"),
         ((MESH.format("../no.obj"),), "leads out of the folder"),
         ((MESH.format("/etc/passwd"),), "leads out of the folder"),
@@ -240,6 +248,24 @@ def test_a_single_link_is_a_shape_with_a_note(tmp_path):
     assert "one link has geometry" in shape.repairs[0]
 
 
+@pytest.mark.parametrize(
+    ("geometry", "note"),
+    [
+        ("", "visual without geometry: skipped"),
+        ("<geometry/>", "visual without geometry: skipped"),
+        ('<geometry><box size="-0.7 0.4 0.02"/></geometry>', "box with the size -0.7 0.4 0.02, below 0: skipped"),
+        ('<geometry><cylinder radius="1" length="-2"/></geometry>', "cylinder with the length -2, below 0: skipped"),
+        ("<geometry><mesh/></geometry>", "mesh without filename: skipped"),
+        ('<geometry><sphere radius="0"/></geometry>', "1 piece without a surface: skipped"),
+    ],
+)
+def test_a_visual_that_shows_nothing_is_noted(tmp_path, geometry, note):
+    path = tmp_path / "a.urdf"
+    good = LINK.format("b", 1)
+    path.write_text(f"<robot name='r'>{good.replace('</link>', f'<visual>{geometry}</visual></link>')}</robot>")
+    assert f"link b: {note}" in kinmo.load(path).repairs
+
+
 def test_meshes_of_a_package_of_ros_are_found(tmp_path):
     package = write_cabinet(
         tmp_path / "checkout",
@@ -296,7 +322,7 @@ def test_the_home_folder_is_no_package(tmp_path, monkeypatch):
 def test_a_missing_file_elsewhere_is_named_with_the_robot_file(tmp_path):
     folder = write_cabinet(tmp_path / "a", door="/no/such/door.obj")
     problem = "the mesh /no/such/door.obj is missing, and leads out of the folder a: write its path relative to mobility.urdf"
-    with pytest.raises(InputError, match=f"mobility.urdf: {problem}"):
+    with pytest.raises(InputError, match=f"mobility.urdf: link door: {problem}"):
         kinmo.load(folder)
 
 

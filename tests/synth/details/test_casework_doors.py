@@ -7,7 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synth_objects import bounds_of, link_pieces, link_vertices
 
-from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.casework_doors import (
     add_folding_door,
     add_roll_top,
@@ -16,6 +15,7 @@ from kinmo.synth.details.casework_doors import (
     add_tipping_bin,
 )
 from kinmo.synth.details.casework_extras import add_larder, add_trim
+from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import open_box
 from kinmo.synth.synth_object import Link, Node

@@ -14,7 +14,7 @@ from urllib.parse import unquote
 from kinmo.core.errors import InputError
 from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.optional_library import optional_library
-from kinmo.io.readers.untrusted_files import MAX_JSON_BYTES, MAX_SCENE_BYTES, inside, parse_json, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_JSON_BYTES, MAX_SCENE_BYTES, inside, named_by, parse_json, read_bytes
 
 DRACO, INSTANCING = "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"
 MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
@@ -123,7 +123,11 @@ class GltfFile:
         if not isinstance(uri.value, str):
             raise uri.fail("expected a text")
         if not uri.value.startswith("data:"):
-            return read_bytes(file_of_uri(self.path, uri.value), self.path.parent, MAX_SCENE_BYTES)
+            file = file_of_uri(uri)
+            try:
+                return read_bytes(file, self.path.parent, MAX_SCENE_BYTES)
+            except InputError as error:
+                raise named_by(self.path, uri.path, uri.value, error) from None
         return data_of_uri(uri)
 
 
@@ -156,22 +160,26 @@ def other_files(path: Path) -> list[Path]:
     """The files with the buffers and images of a glTF file. None if the file cannot be read."""
     try:
         root, _ = _read_document(path)
-        uris = [entry["uri"].value for name in ("buffers", "images") for entry in root[name].items()]
+        uris = [entry["uri"] for name in ("buffers", "images") for entry in root[name].items()]
     except InputError:
         return []
     found = []
     for uri in uris:
-        if isinstance(uri, str) and not uri.startswith("data:"):
+        if isinstance(uri.value, str) and not uri.value.startswith("data:"):
             with suppress(InputError):
-                found.append(file_of_uri(path, uri))
+                found.append(file_of_uri(uri))
     return found
 
 
-def file_of_uri(path: Path, uri: str) -> Path:
-    """The file that a URI in the glTF file `path` names. Raises InputError if it leads out of the folder."""
-    if "://" in uri:
-        raise InputError(path, f"its data is at {uri}: download it, or export one GLB")
-    return inside(path.parent / unquote(uri), path.parent)
+def file_of_uri(uri: JsonField) -> Path:
+    """The file that a URI in a glTF file names. Raises InputError if it leads out of the folder."""
+    name, folder = uri.whole_text(), uri.where.parent
+    if "://" in name:
+        raise uri.fail(f"its data is at {name}: download it, or export one GLB")
+    try:
+        return inside(folder / unquote(name), folder)
+    except InputError as error:
+        raise named_by(uri.where, uri.path, name, error) from None
 
 
 def _read_document(path: Path) -> tuple[JsonField, bytes | None]:

@@ -175,7 +175,7 @@ class GltfMaterials:
             return self._budget.image(self._file.view(field["bufferView"]).data, name)
         if uri.whole_text().startswith("data:"):
             return self._budget.image(data_of_uri(uri), name)
-        return self._files.read(file_of_uri(self._file.path, uri.whole_text()))
+        return self._files.read(file_of_uri(uri))
 
 
 def _numbers(field: JsonField, default: F64) -> F64:

@@ -16,6 +16,7 @@ from kinmo.io.readers.gltf_accessors import FLOAT, read_floats, read_numbers
 from kinmo.io.readers.gltf_file import INSTANCING, GltfFile, extension
 from kinmo.io.readers.gltf_materials import GltfMaterials
 from kinmo.io.readers.gltf_primitives import Primitive, read_primitive
+from kinmo.io.readers.image_files import MAX_NAMED
 from kinmo.io.readers.json_field import JsonField
 from kinmo.io.readers.part_hierarchy import check_depth
 from kinmo.io.readers.scene import CornerBudget, SceneNode, placed
@@ -37,7 +38,7 @@ class GltfScene:
         self._primitives: dict[int, list[Primitive]] = {}
         self._surfaces: dict[int, Mesh | None] = {}
         self.unread: Counter[str] = Counter()
-        self._normals = 0
+        self._normals, self._empty = 0, 0
         self._materials = GltfMaterials(file, self._ignore)
         self._parents = {child.integer(): index for index, child in _child_fields(file)}
         self._poses: dict[int, F64] = {}
@@ -120,15 +121,21 @@ class GltfScene:
         number = index.integer()
         if number not in self._primitives:
             found = []
-            for field in self._file.entry("meshes", index)["primitives"].items():
+            mesh, is_empty = self._file.entry("meshes", index), True
+            for field in mesh["primitives"].items():
                 primitive = read_primitive(self._file, field, self._materials)
                 if primitive is None:
                     self.unread["points and lines"] += 1
+                    is_empty = False
                     continue
                 self.unread["morph targets"] += len(field["targets"].items())
                 self._budget.spend(len(primitive.mesh.vertices) + primitive.mesh.faces.size)
                 if len(primitive.mesh.faces):
                     found.append(primitive)
+            if is_empty and not found:
+                self._empty += 1
+                named = f"mesh {mesh['name'].text('') or number}, which has no triangles,"
+                self.unread[named if self._empty <= MAX_NAMED else "further meshes without triangles"] += 1
             self._primitives[number] = found
         return self._primitives[number]
 

@@ -13,7 +13,7 @@ from kinmo.core.errors import InputError
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.robot_file import Matrix
 from kinmo.io.readers.robot_numbers import read_list, read_numbers
-from kinmo.io.readers.untrusted_files import inside, read_bytes
+from kinmo.io.readers.untrusted_files import named_by, plain_path, read_bytes
 from kinmo.io.readers.xml_files import MAX_XML_BYTES, parse_xml
 
 MAX_DEPTH = 64
@@ -40,10 +40,10 @@ class MjcfDocument:
         self.path = path
         self.home = home or path.parent
         self._included, self._bytes_left = 0, MAX_XML_BYTES
-        self.root = self._parse(path)
+        self.root = parse_xml(self._read(path), path)
         if self.root.tag != "mujoco":
             raise InputError(path, f"expected the element mujoco, found {clean_text(self.root.tag)}")
-        self._include(self.root, 0)
+        self._include(self.root, 0, (plain_path(path),))
         settings: Attributes = {}
         for element in self.root.findall("compiler"):
             settings |= element.attrib
@@ -132,30 +132,39 @@ class MjcfDocument:
             raise InputError(self.path, "expected a direction that is not zero", field)
         return vector / length
 
-    def _parse(self, path: Path) -> ET.Element:
-        file = inside(path, self.home)
-        data = read_bytes(file, self.home, self._bytes_left)
+    def _read(self, path: Path) -> bytes:
+        data = read_bytes(path, self.home, self._bytes_left)
         self._bytes_left -= len(data)
-        return parse_xml(data, file)
+        return data
 
-    def _include(self, element: ET.Element, depth: int) -> None:
-        """Replace all elements `<include>` at or below an element by the content of their files."""
+    def _include(self, element: ET.Element, depth: int, files: tuple[Path, ...]) -> None:
+        """Replace all elements `<include>` at or below an element by the content of their files.
+
+        `files` are the file with the element, and the files around it that include it, from the outside in.
+        """
         if depth > MAX_DEPTH:
             raise InputError(self.path, f"nested deeper than {MAX_DEPTH} levels")
         place = 0
         while place < len(element):
             child = element[place]
             if child.tag != "include":
-                self._include(child, depth + 1)
+                self._include(child, depth + 1, files)
                 place += 1
                 continue
             self._included += 1
             if self._included > _MAX_FILES:
                 raise InputError(self.path, f"includes more than {_MAX_FILES} files")
-            content = list(self._parse(self.path.parent / child.get("file", "")))
+            name = child.get("file", "")
+            file = plain_path(self.path.parent / name)
+            if file in files:
+                raise InputError(files[-1], f"{clean_text(name)} includes itself: remove this element", "include")
+            try:
+                data = self._read(file)
+            except InputError as error:
+                raise named_by(files[-1], "include", name, error) from None
             holder = ET.Element("include")
-            holder.extend(content)
-            self._include(holder, depth + 1)
+            holder.extend(parse_xml(data, file))
+            self._include(holder, depth + 1, (*files, file))
             element[place : place + 1] = list(holder)
             place += len(holder)
 

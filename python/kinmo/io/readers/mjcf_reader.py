@@ -19,7 +19,7 @@ from kinmo.io.readers.mjcf_document import MAX_DEPTH, Attributes, MjcfDocument, 
 from kinmo.io.readers.mjcf_materials import MjcfMaterials
 from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.reader import Reader, SourceFiles
-from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, RobotPiece, ordered_links
+from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, RobotPiece, about, ordered_links
 from kinmo.io.readers.robot_meshes import RobotMeshes
 from kinmo.io.readers.robot_numbers import read_list, read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
@@ -30,7 +30,7 @@ MJCF = "mjcf"
 _ENDINGS = (".xml", ".mjcf")
 _ROOT = re.compile(rb"<\s*mujoco[\s/>]")
 _BEFORE_ROOT = re.compile(rb"<\?.*?\?>|<!--.*?-->|<!DOCTYPE[^>]*>|\s+|\xef\xbb\xbf", re.DOTALL)
-_WORLD = "world"
+_WORLD, _UNNAMED = "world", "body "
 _JOINT_TYPES = {"hinge": "revolute", "slide": "prismatic"}
 """Types of URDF by those of MJCF. Others are none that kinmo knows."""
 SHOWN_GROUPS = (0, 1, 2)
@@ -87,9 +87,9 @@ class _MjcfRobot:
         """The links, joints and meshes."""
         for world in self.document.root.findall("worldbody"):
             self._read_content(world, _WORLD, np.eye(4), world.get("childclass"))
-        shown = {name: [geom for geom in own if self._is_shown(geom[0])] for name, own in self.geoms.items()}
+        shown = {name: [geom for geom in own if self._is_shown(name, geom[0])] for name, own in self.geoms.items()}
         used = shown if any(shown.values()) else self.geoms
-        made = {name: [self._piece(attributes, pose) for attributes, pose in own] for name, own in used.items()}
+        made = {name: [self._piece(name, attributes, pose) for attributes, pose in own] for name, own in used.items()}
         pieces = {name: [piece for piece in own if piece is not None] for name, own in made.items()}
         named = [self.document.mesh_path(asset["file"]) for asset in self.assets.values() if "file" in asset]
         links = ordered_links(self.path, self.names, self.joints)
@@ -106,23 +106,24 @@ class _MjcfRobot:
                 raise InputError(self.path, f"nested deeper than {MAX_DEPTH} levels")
             inner = []
             for child in element:
+                own = child.get("childclass") or inherited
                 if child.tag == "geom":
-                    attributes = self.document.with_defaults(child, inherited)
-                    self.geoms[link].append((attributes, pose))
+                    with about(self.path, _title(link)):
+                        self.geoms[link].append((self.document.with_defaults(child, inherited), pose))
                 elif child.tag == "frame":
-                    own = child.get("childclass") or inherited
-                    inner.append((child, link, pose @ self.document.pose(child.attrib), own, depth + 1))
+                    with about(self.path, f"{_title(link)}: frame"):
+                        inner.append((child, link, pose @ self.document.pose(child.attrib), own, depth + 1))
                 elif child.tag == "body":
-                    own = child.get("childclass") or inherited
-                    name = self._add_body(child, link, pose @ self.document.pose(child.attrib), own)
+                    name = self._new_name(child.get("name") or f"{_UNNAMED}{len(self.names)}")
+                    with about(self.path, _title(name)):
+                        self._add_body(child, name, link, pose @ self.document.pose(child.attrib), own)
                     inner.append((child, name, np.eye(4), own, depth + 1))
                 elif child.tag in _IGNORED_BODIES:
                     self.ignored[f"elements {child.tag}"] += 1
             pending += reversed(inner)
 
-    def _add_body(self, body: ET.Element, parent: str, pose: Matrix, inherited: str | None) -> str:
-        """Add a body with its joints, and get the name of its link. `pose` leads to the link `parent`."""
-        name = self._new_name(body.get("name") or f"body {len(self.names)}")
+    def _add_body(self, body: ET.Element, name: str, parent: str, pose: Matrix, inherited: str | None) -> None:
+        """Add a body with its joints, as a link of this name. `pose` leads to the link `parent`."""
         found = [child for child in body if child.tag in ("joint", "freejoint")]
         kinds = [self.document.with_defaults(child, inherited) for child in found]
         moving = [self._joint(child.tag, attributes) for child, attributes in zip(found, kinds, strict=True)]
@@ -132,7 +133,6 @@ class _MjcfRobot:
             self._add_link(link)
             self.joints.append(JointElement(kind, parent, link, pose, axis, limits, title, pivot))
             parent, pose = link, np.eye(4)
-        return name
 
     def _joint(self, tag: str, attributes: Attributes) -> tuple[str, str, Matrix, Matrix, tuple[float, float] | None]:
         """Type, name, axis, pivot and limits of a joint."""
@@ -140,16 +140,20 @@ class _MjcfRobot:
         name = clean_text(attributes.get("name", ""))
         if kind not in _JOINT_TYPES:
             return kind, name, np.array([0.0, 0.0, 1.0]), np.zeros(3), None
-        axis = self.document.direction(read_numbers(self.path, attributes, "axis", (0.0, 0.0, 1.0)), f"joint {name}: axis")
-        pivot = read_numbers(self.path, attributes, "pos", (0.0, 0.0, 0.0))
-        limits = None
+        with about(self.path, f"joint {name}".strip()):
+            axis = self.document.direction(read_numbers(self.path, attributes, "axis", (0.0, 0.0, 1.0)), "axis")
+            pivot = read_numbers(self.path, attributes, "pos", (0.0, 0.0, 0.0))
+            return _JOINT_TYPES[kind], name, axis, pivot, self._limits(kind, attributes)
+
+    def _limits(self, kind: str, attributes: Attributes) -> tuple[float, float] | None:
+        """The limits of a joint in ascending order. None for an empty range."""
         is_limited = attributes.get("limited", "auto")
-        if is_limited == "true" or (is_limited == "auto" and self.document.has_automatic_limits and "range" in attributes):
-            (rest,) = read_numbers(self.path, attributes, "ref", (0.0,))
-            ends = sorted(read_numbers(self.path, attributes, "range", (0.0, 0.0)) - rest)
-            lower, upper = (self.document.angle(float(end)) if kind == "hinge" else float(end) for end in ends)
-            limits = (lower, upper) if lower < upper else None
-        return _JOINT_TYPES[kind], name, axis, pivot, limits
+        if is_limited != "true" and not (is_limited == "auto" and self.document.has_automatic_limits and "range" in attributes):
+            return None
+        (rest,) = read_numbers(self.path, attributes, "ref", (0.0,))
+        ends = sorted(read_numbers(self.path, attributes, "range", (0.0, 0.0)) - rest)
+        lower, upper = (self.document.angle(float(end)) if kind == "hinge" else float(end) for end in ends)
+        return (lower, upper) if lower < upper else None
 
     def _new_name(self, name: str) -> str:
         """`name`, with a number if another link has it."""
@@ -165,19 +169,21 @@ class _MjcfRobot:
         self.names.append(name)
         self.geoms[name] = []
 
-    def _is_shown(self, attributes: Attributes) -> bool:
+    def _is_shown(self, link: str, attributes: Attributes) -> bool:
         """True for a geom of a shown group that is not wholly transparent."""
-        group = float(read_numbers(self.path, attributes, "group", (0.0,))[0])
-        alpha = float(read_numbers(self.path, attributes, "rgba", (1.0, 1.0, 1.0, 1.0))[3])
+        with about(self.path, _title(link, attributes)):
+            group = float(read_numbers(self.path, attributes, "group", (0.0,))[0])
+            alpha = float(read_numbers(self.path, attributes, "rgba", (1.0, 1.0, 1.0, 1.0))[3])
         return group in self.groups and (alpha > 0.0 or "material" in attributes)
 
-    def _piece(self, attributes: Attributes, pose: Matrix) -> RobotPiece | None:
+    def _piece(self, link: str, attributes: Attributes, pose: Matrix) -> RobotPiece | None:
         """The piece of a geom; `pose` leads from what it is in to its link. None if it has no mesh."""
-        mesh = self._mesh(attributes)
-        if mesh is None:
-            return None
-        name, asset = (clean_text(attributes.get(key, "")) for key in ("name", "mesh"))
-        return RobotPiece(placed(self.looks.on(mesh, attributes), pose, self.path), name, asset)
+        with about(self.path, _title(link, attributes)):
+            mesh = self._mesh(attributes)
+            if mesh is None:
+                return None
+            name, asset = (clean_text(attributes.get(key, "")) for key in ("name", "mesh"))
+            return RobotPiece(placed(self.looks.on(mesh, attributes), pose, self.path), name, asset)
 
     def _mesh(self, attributes: Attributes) -> Mesh | None:
         """The mesh of a geom in its body. None if it has none."""
@@ -201,7 +207,7 @@ class _MjcfRobot:
         else:
             size = read_list(self.path, attributes, "size", least, 3)
         if np.any(size[:least] <= 0.0):
-            raise InputError(self.path, "expected sizes above 0", "geom size")
+            raise InputError(self.path, "expected sizes above 0", "size")
         if kind == "box":
             mesh = solids.box(2.0 * size)
         elif kind == "ellipsoid":
@@ -216,7 +222,7 @@ class _MjcfRobot:
     def _asset(self, name: str) -> Mesh | None:
         """The mesh asset of this name, moved and scaled. None if it cannot be read."""
         if name not in self.assets:
-            raise InputError(self.path, f"there is no mesh asset {clean_text(name)}", "geom mesh")
+            raise InputError(self.path, f"there is no mesh asset {clean_text(name)}", "mesh")
         asset = self.assets[name]
         if "file" in asset:
             mesh = self.files.read(self.document.mesh_path(asset["file"]))
@@ -259,6 +265,12 @@ MAX_INLINE_VERTICES = 1_000_000
 _SOLIDS = {"box": 3, "ellipsoid": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
 """Solids, and the least number of their sizes."""
 _FIXED_JOINT = (FIXED, "", np.array([0.0, 0.0, 1.0]), np.zeros(3), None)
+
+
+def _title(link: str, geom: Attributes | None = None) -> str:
+    """What a message names: the body of a link, and the geom in it."""
+    body = link if link.startswith(_UNNAMED) else f"body {clean_text(link)}"
+    return body if geom is None else f"{body}: geom {clean_text(geom.get('name', ''))}".strip()
 
 
 def _id_of_file(path: Path) -> str | None:

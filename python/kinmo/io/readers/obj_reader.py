@@ -6,7 +6,7 @@ Lines are converted in bulk, because a shape of PartNet-Mobility has about fifty
 from __future__ import annotations
 
 import re
-from codecs import BOM_UTF8
+from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,7 @@ from kinmo.core.shape import Mesh
 from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.obj_look import Corners, obj_look
-from kinmo.io.readers.polygons import triangulate
+from kinmo.io.readers.polygons import LESS_THAN_A_TRIANGLE, triangulate
 from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, read_bytes
 
 _MAX_DIGITS = 10
@@ -34,14 +34,16 @@ def read_obj(path: Path, folder: Path, materials: MtlMaterials | None = None) ->
 def parse_obj(data: bytes, where: Path, materials: MtlMaterials | None = None) -> Mesh | None:
     """The triangles of OBJ text from the file `where`, without unused vertices. None if it has no faces.
 
-    They have their look if `materials` is given, which reads the MTL files.
+    They have their look if `materials` is given, which reads the MTL files and receives what is not read.
     """
     found = parse_polygons(obj_lines(data), where, materials)
     return None if found is None else found[0]
 
 
 def obj_lines(data: bytes) -> bytes:
-    """OBJ text with a line break before every line, and with continued lines joined."""
+    """OBJ text as UTF-8, with a line break before every line, and with continued lines joined."""
+    if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):  # from some tools of Windows
+        data = data.decode("utf-16", "replace").encode()
     text = b"\n" + data.removeprefix(BOM_UTF8)
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -78,6 +80,8 @@ def parse_polygons(text: bytes, where: Path, materials: MtlMaterials | None = No
     chosen, polygons = triangulate(vertices[corners], np.arange(len(corners)), found.sizes, where)
     look = None
     if materials is not None:
+        for _ in range(int(np.count_nonzero(found.sizes < 3))):
+            materials.ignore(LESS_THAN_A_TRIANGLE)
         colors = _colors(vertex_lines)
         of_corners = None if colors is None else colors[corners]
         look = obj_look(text, where, found, chosen, face_places(text)[polygons], of_corners, materials)
@@ -117,7 +121,7 @@ def _corners(lines: list[bytes], *, with_look: bool) -> Corners:
     wrong = ~is_number | ~(blank[after] | (text[after] == ord("/")))
     if wrong.any():
         start = int(starts[int(np.argmax(wrong))])
-        raise ValueError(f"found {text[start : start + 16].tobytes().split()[0]!r}")
+        raise ValueError(f"found {text[start : start + 16].tobytes().split()[0].decode('utf-8', 'replace')}")
     none = np.zeros(len(starts), np.int64)
     if not with_look or not np.any(text[after] == ord("/")):
         return Corners(values, none, none, sizes)

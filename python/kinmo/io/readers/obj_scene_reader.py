@@ -42,18 +42,19 @@ def read_obj_file(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
 def read_obj_scene(path: Path) -> Scene:
     """The scene of an OBJ file.
 
-    Faces with the same object and group form one node, wherever they are in the file. Objects with several groups have those
-    as children. Materials count if nothing else divides the faces.
+    Every line `o` begins an object, also if it repeats a name. A repeated `g` continues its group: faces with the same object
+    and group form one node. Objects with several groups have those as children. Materials count if nothing else divides the
+    faces.
     """
     text = obj_lines(read_bytes(path, path.parent, MAX_SCENE_BYTES))
     builder = SceneBuilder(path)
     found = parse_polygons(text, path, MtlMaterials(path.parent, builder.ignore))
     if found is None:
-        raise InputError(path, "no part has geometry: expected faces")
+        raise InputError(path, "no part has geometry: expected faces of three or more corners")
     mesh, polygons = found
     places = face_places(text)[polygons]
     divisions = _divisions(text)
-    objects, object_names = _keys(divisions["o"], places)
+    objects, object_names = _numbers(divisions["o"], places), ["", *(name for _, name in divisions["o"])]
     groups, group_names = _keys(divisions["g"], places)
     if len(np.unique(objects)) == len(np.unique(groups)) == 1:
         groups, group_names = _keys(divisions["usemtl"], places)
@@ -96,13 +97,17 @@ def _divisions(text: bytes) -> dict[str, list[tuple[int, str]]]:
     return found
 
 
+def _numbers(lines: list[tuple[int, str]], places: Keys) -> Keys:
+    """Number of the last line above each face, from 1. Number 0 is for faces above all lines."""
+    return np.asarray(np.searchsorted(np.array([place for place, _ in lines], np.int64), places))
+
+
 def _keys(lines: list[tuple[int, str]], places: Keys) -> tuple[Keys, list[str]]:
     """Number of the name that holds at each face, and the names. Number 0 is for faces above all lines."""
     names = list(dict.fromkeys(["", *(name for _, name in lines)]))
     number = {name: index for index, name in enumerate(names)}
-    begins = np.array([place for place, _ in lines], np.int64)
     values = np.array([0, *(number[name] for _, name in lines)], np.int64)
-    return values[np.searchsorted(begins, places)], names
+    return values[_numbers(lines, places)], names
 
 
 def obj_up(mesh: Mesh) -> Axis:

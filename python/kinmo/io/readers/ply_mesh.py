@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import struct
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from kinmo.core.look import NO_MATERIAL, Look
 from kinmo.core.shape import Mesh
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.mesh_limits import checked
-from kinmo.io.readers.polygons import triangulate
+from kinmo.io.readers.polygons import LESS_THAN_A_TRIANGLE, triangulate
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
@@ -57,12 +58,13 @@ class _Column:
     sizes: NDArray[np.int64]
 
 
-def read_ply_mesh(data: bytes, path: Path) -> Mesh:
+def read_ply_mesh(data: bytes, path: Path, ignore: Callable[[str], None] = lambda what: None) -> Mesh:
     """The triangles of a PLY file without unused vertices. Raises InputError for broken files.
 
     Args:
         data: content of the file.
         path: the file, for messages.
+        ignore: receives what is not read.
     """
     elements, rows = _parse(data, path)
     vertices, corners, sizes = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64)
@@ -72,20 +74,32 @@ def read_ply_mesh(data: bytes, path: Path) -> Mesh:
         for element in elements:
             columns, place = _read_element(rows, place, element)
             if element.name == "vertex":
+                if not {"x", "y", "z"} <= columns.keys():
+                    raise InputError(path, f"expected x, y and z, found {_listed(columns)}", "vertex")
                 vertices = np.stack([columns[axis].values for axis in "xyz"], axis=1)
                 colors = _colors(element, columns)
             elif element.name == "face":
-                found = next(columns[name] for name in _CORNERS if name in columns)
+                found = next((columns[name] for name in _CORNERS if name in columns), None)
+                if found is None:
+                    raise InputError(path, f"expected a list {' or '.join(_CORNERS)}, found {_listed(columns)}", "face")
                 corners, sizes = found.values, found.sizes
-    except (ValueError, KeyError, StopIteration, OverflowError, struct.error) as error:
+    except InputError:
+        raise
+    except (ValueError, OverflowError, struct.error) as error:
         raise InputError(path, f"expected a whole PLY file with vertices x, y, z and faces ({error})") from None
     if not np.all((corners >= 0) & (corners < len(vertices))):
         raise InputError(path, f"a face names a vertex outside 0..{len(vertices) - 1}")
+    for _ in range(int(np.count_nonzero(sizes < 3))):
+        ignore(LESS_THAN_A_TRIANGLE)
     faces, _ = triangulate(vertices, corners.astype(np.int64), sizes, path)
     look = None
     if colors is not None:
         look = Look((), np.full(len(faces), NO_MATERIAL, np.int32), colors=colors[faces].astype(np.float32))
     return checked(Mesh(vertices, faces.astype(np.uint32), look).compact, path)
+
+
+def _listed(columns: dict[str, _Column]) -> str:
+    return clean_text(", ".join(columns))
 
 
 def _colors(element: _Element, columns: dict[str, _Column]) -> NDArray[np.float64] | None:

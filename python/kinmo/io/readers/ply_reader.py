@@ -25,7 +25,7 @@ def read_ply(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
 def read_ply_scene(path: Path) -> Scene:
     """The scene of a PLY file: one node without a name."""
     builder = SceneBuilder(path)
-    builder.add("", mesh=read_ply_mesh(read_bytes(path, path.parent, MAX_SCENE_BYTES), path))
+    builder.add("", mesh=read_ply_mesh(read_bytes(path, path.parent, MAX_SCENE_BYTES), path, builder.ignore))
     return builder.scene(PLY, "PLY", "z", None)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh
+from kinmo.core.wording import printable
 
 Matrix = NDArray[np.float64]
 """An array of numbers, or a rigid transform [4, 4]."""
@@ -21,6 +23,8 @@ FIXED = "fixed"
 """Type of a joint that does not move."""
 MAX_LINKS = 10_000
 """Most links of a robot."""
+_MAX_LISTED = 5
+"""Most links that a message names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,17 +105,45 @@ def ordered_links(path: Path, names: Sequence[str], joints: Sequence[JointElemen
     for joint in joints:
         for end in (joint.parent, joint.child):
             if end not in children:
-                raise InputError(path, f"expected a link of the name {end!r}", "joint")
+                raise InputError(path, f"expected a link of the name {end!r}", f"joint {joint.name}".strip())
         if joint.child in seen:
-            raise InputError(path, f"expected one joint above link {joint.child!r}", "joint")
+            raise InputError(path, f"expected one joint above link {joint.child!r}", f"joint {joint.name}".strip())
         seen.add(joint.child)
         children[joint.parent].append(joint.child)
     roots = [name for name in names if name not in seen]
-    if len(roots) != 1:
-        raise InputError(path, f"expected one root link, found {len(roots)}")
-    order = [roots[0]]
+    if len(roots) > 1:
+        raise InputError(path, f"expected one root link, found {len(roots)} ({_listed(roots)}): join them with fixed joints")
+    order = list(roots)
     for name in order:
         order += children[name]
     if len(order) < len(names):
-        raise InputError(path, "expected a tree, found a cycle of joints")
+        cycle = _cycle(set(names) - set(order), {joint.child: joint.parent for joint in joints})
+        raise InputError(path, f"expected a tree, found a cycle of joints between the links {_listed(cycle)}")
     return tuple(order)
+
+
+def _cycle(rest: set[str], above: dict[str, str]) -> list[str]:
+    """The links of a cycle of joints. `rest` are links that no root is above, and `above` has the parent of each link."""
+    link = min(rest)
+    passed: dict[str, None] = {}
+    while link not in passed:
+        passed[link] = None
+        link = above[link]
+    chain = list(passed)
+    return chain[chain.index(link) :]
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Names with commas between, at most `_MAX_LISTED` of them."""
+    return ", ".join([*names[:_MAX_LISTED], *["..."] * (len(names) > _MAX_LISTED)])
+
+
+@contextmanager
+def about(path: Path, element: str) -> Iterator[None]:
+    """Put an element, such as "link door", in front of the field of an InputError about the robot file in the block."""
+    try:
+        yield
+    except InputError as error:
+        if error.where != printable(str(path)):
+            raise
+        raise InputError(path, error.problem, element if error.field is None else f"{element}: {error.field}") from None

@@ -19,7 +19,7 @@ from kinmo.io.readers.off_mesh import read_off_mesh
 from kinmo.io.readers.ply_mesh import read_ply_mesh
 from kinmo.io.readers.scene import CornerBudget, Scene
 from kinmo.io.readers.stl_reader import read_stl_scene
-from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, inside, plain_path, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, inside, named_by, plain_path, read_bytes
 
 
 def refuse(problem: InputError) -> None:
@@ -125,9 +125,9 @@ class RobotMeshes:
         """The path as `inside` gives it. A missing file, maybe of another machine, is named as such."""
         try:
             return inside(path, self.home)
-        except InputError:
+        except InputError as error:
             if is_file(path):
-                raise
+                raise named_by(self._path, "mesh", printable_path(path), error) from None
             problem = f"is missing, and leads out of the folder {self.home.name}: write its path relative to {self._path.name}"
             raise InputError(self._path, f"the mesh {printable_path(path)} {problem}") from None
 
@@ -152,7 +152,8 @@ def read_mesh(path: Path, materials: MtlMaterials | None = None) -> Mesh:
     elif ending == ".stl":
         mesh = _whole(read_stl_scene(path), materials)
     elif ending == ".ply":
-        mesh = read_ply_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
+        ignore = (lambda what: None) if materials is None else materials.ignore
+        mesh = read_ply_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path, ignore)
     elif ending == ".off":
         mesh = read_off_mesh(read_bytes(path, path.parent, MAX_MESH_BYTES), path)
     elif ending == ".msh":

@@ -13,7 +13,7 @@ from kinmo.core.errors import InputError
 from kinmo.core.frames import AXIS_VECTORS
 from kinmo.core.mobility import Body, Mobility
 from kinmo.core.shape import Mesh, Part, Shape, bounds_of, join
-from kinmo.core.wording import clean_text
+from kinmo.core.wording import clean_text, counted
 from kinmo.io.readers.part_hierarchy import MAX_PARTS, has_surface
 from kinmo.io.readers.partnet_annotation import META_FILE, UNKNOWN_CATEGORY, read_meta
 from kinmo.io.readers.partnet_mobility_joints import around_rest, checked_against_bounds
@@ -62,8 +62,10 @@ def shape_of_robot(robot: RobotFile, layout: str, convention: str, problems: Ite
     repairs = [f"{Path(problem.where).name} skipped: {problem.problem}" for problem in problems]
     repairs += robot.repairs
     pieces = {name: [piece for piece in robot.pieces[name] if has_surface(piece.mesh)] for name in robot.links}
-    flat = [name for name in robot.links if robot.pieces[name] and not pieces[name]]
-    repairs += [f"link {clean_text(name)} has no surface: skipped" for name in flat]
+    for name, own in pieces.items():
+        if flat := len(robot.pieces[name]) - len(own):
+            what = f": {counted(flat, 'piece')} without a surface" if own else " has no surface"
+            repairs.append(f"link {clean_text(name)}{what}: skipped")
     robot = replace(robot, pieces=pieces)
     poses = link_poses(robot)
     meshes = {

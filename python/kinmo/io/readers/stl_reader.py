@@ -36,8 +36,7 @@ def read_stl(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
 
 def read_stl_scene(path: Path) -> Scene:
     """The scene of an STL file: one node for each solid."""
-    data = read_bytes(path, path.parent, MAX_SCENE_BYTES)
-    _check_whole(data, path)
+    data = _triangle_bytes(read_bytes(path, path.parent, MAX_SCENE_BYTES), path)
     meshes = list(load_meshes(data, "stl", path))
     # trimesh makes repeated names unique and invents missing ones
     names = [match.decode("utf-8", "replace").strip() for match in _SOLID.findall(data)] if len(meshes) > 1 else []
@@ -47,15 +46,19 @@ def read_stl_scene(path: Path) -> Scene:
     return builder.scene(STL, "STL", "z", None, MILLIMETRE)
 
 
-def _check_whole(data: bytes, path: Path) -> None:
-    """Raise InputError for a file that is neither text nor as long as its header says."""
+def _triangle_bytes(data: bytes, path: Path) -> bytes:
+    """The file without what some tools write behind the triangles of a binary one.
+
+    Raises InputError for a file that is neither text nor as long as its header says.
+    """
     if _FACET.search(data, 0, TEXT_START):
-        return
+        return data
     if len(data) < _HEADER.size:
         raise InputError(path, "expected an STL file with triangles: export it again")
     length = _HEADER.size + TRIANGLE_BYTES * _HEADER.unpack_from(data)[0]
     if len(data) < length:
         raise InputError(path, f"expected {length} bytes, as its header says, got {len(data)}: export it again")
+    return data[:length]
 
 
 def _joined(mesh: Mesh) -> Mesh:

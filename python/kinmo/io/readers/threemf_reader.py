@@ -152,6 +152,8 @@ class _Package:
         parser.StartElementHandler = start
         try:
             parser.Parse(text, True)
+        except InputError:
+            raise
         except expat.ExpatError as error:
             raise InputError(self.path, f"{info.filename} is no XML ({error})") from None
         except KeyError as error:

@@ -13,12 +13,15 @@ import stat
 from pathlib import Path
 
 from kinmo.core.errors import InputError
+from kinmo.core.wording import clean_text
 from kinmo.io.readers.json_field import JsonField
 
 MAX_JSON_BYTES = 32 << 20
 MAX_MESH_BYTES = 128 << 20
 MAX_SCENE_BYTES = 1 << 30
-_PEEK_BYTES = 1 << 16
+_MISSING = "missing"
+PEEK_BYTES = 1 << 16
+"""Bytes at the beginning of a file by which its format is recognised."""
 _LFS_POINTER = b"version https://git-lfs.github.com/spec/v1"
 _OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
 
@@ -76,9 +79,23 @@ def read_beginning(path: Path, folder: Path, count: int) -> bytes:
 def peek(path: Path, folder: Path) -> bytes:
     """The first 64 KiB of a regular file, to recognise its format. Empty if the file cannot be read."""
     try:
-        return read_beginning(path, folder, _PEEK_BYTES)
+        return read_beginning(path, folder, PEEK_BYTES)
     except InputError:
         return b""
+
+
+def named_by(where: Path, field: str, name: str, problem: InputError) -> InputError:
+    """The problem with a file that the field of another file names, as a problem of that field.
+
+    Args:
+        where: the file that has the field.
+        field: the field.
+        name: what the field says.
+        problem: why the file of this name cannot be read.
+    """
+    if problem.problem == _MISSING:
+        return InputError(where, f"{clean_text(name)} is missing: put it there, or correct the path", field)
+    return InputError(where, f"{clean_text(name)}: {problem.problem}", field)
 
 
 def read_json(path: Path, folder: Path) -> JsonField:
@@ -100,5 +117,5 @@ def parse_json(raw: bytes, where: Path) -> JsonField:
 
 def _unreadable(path: Path, error: OSError | ValueError) -> InputError:
     if isinstance(error, FileNotFoundError):
-        return InputError(path, "missing")
+        return InputError(path, _MISSING)
     return InputError(path, f"cannot be read ({getattr(error, 'strerror', None) or error})")

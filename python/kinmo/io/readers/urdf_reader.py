@@ -19,7 +19,7 @@ from kinmo.core.wording import clean_text
 from kinmo.io.readers import solids
 from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.reader import Reader, SourceFiles
-from kinmo.io.readers.robot_file import FIXED, MAX_NUMBER, JointElement, Matrix, RobotFile, RobotPiece, ordered_links
+from kinmo.io.readers.robot_file import FIXED, MAX_NUMBER, JointElement, Matrix, RobotFile, RobotPiece, about, ordered_links
 from kinmo.io.readers.robot_meshes import RobotMeshes, mesh_path, missing_mesh, refuse
 from kinmo.io.readers.robot_numbers import read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
@@ -34,6 +34,13 @@ _PACKAGE_FILE = "package.xml"
 """File by which a package of ROS is recognised."""
 _PACKAGE = re.compile(rb"""["'](?:package|model)://([^/"']+)/""")
 """Name of a package of ROS, or of a model of Gazebo, in the path of a file."""
+_READ_ELEMENTS = (
+    "link", "joint", "parent", "child", "origin", "axis", "limit", "mesh", "box", "cylinder", "capsule", "sphere", "color"
+)  # fmt: skip
+"""Elements whose attributes count."""
+_ROUND = {"radius": 1, "length": 1}
+_SIZES = {"box": {"size": 3}, "cylinder": _ROUND, "capsule": _ROUND, "sphere": {"radius": 1}}
+"""Attributes that give the size of each solid, and how many numbers they have."""
 
 
 def read_urdf(path: Path) -> Shape:
@@ -64,21 +71,50 @@ def read_robot_file(
         InputError: the file is no URDF, its links form no tree, or a path leads out of `home`.
     """
     root = parse_xml(read_bytes(path, path.parent, MAX_XML_BYTES), path)
-    elements = {element.get("name") or "": element for element in root.findall("link")}
-    if len(elements) < len(root.findall("link")):
-        raise InputError(path, "expected links of different names")
+    _check_no_template(path, root)
+    elements = _named_links(path, root)
     joints = [_joint_element(path, element) for element in root.findall("joint")]
     links = ordered_links(path, list(elements), joints)
     role = "visual" if root.find("link/visual") is not None else "collision"
     meshes = RobotMeshes(path, home, report, materials)
     looks = None if materials is None else UrdfMaterials(path, root, home, materials)
-    pieces = {
-        name: [piece for each in element.findall(role) if (piece := _piece(path, meshes, each, looks)) is not None]
-        for name, element in elements.items()
-    }
-    named = (mesh_path(mesh.get("filename") or "", path, home) for mesh in root.findall("link/*/geometry/mesh"))
+    repairs: list[str] = []
+    pieces: dict[str, list[RobotPiece]] = {}
+    for name, element in elements.items():
+        title = f"link {clean_text(name)}"
+        with about(path, title):
+            found = [_piece(path, meshes, each, looks, title, repairs) for each in element.findall(role)]
+        pieces[name] = [piece for piece in found if piece is not None]
+    files = (mesh.get("filename") for mesh in root.findall("link/*/geometry/mesh"))
+    named = (mesh_path(file, path, home) for file in files if file)
     above = {joint.child: joint for joint in joints}
-    return RobotFile(path, clean_text(root.get("name") or ""), links, above, pieces, tuple(dict.fromkeys(named)))
+    title = clean_text(root.get("name") or "")
+    return RobotFile(path, title, links, above, pieces, tuple(dict.fromkeys(named)), tuple(repairs))
+
+
+def _named_links(path: Path, root: ET.Element) -> dict[str, ET.Element]:
+    """The elements `<link>` by name. Raises InputError for those without a name, and for two of one name."""
+    elements: dict[str, ET.Element] = {}
+    for number, element in enumerate(root.findall("link"), start=1):
+        name = element.get("name") or ""
+        if not name:
+            raise InputError(path, "expected a name", f"link {number}")
+        if name in elements:
+            raise InputError(path, f"expected links of different names, found {name} twice", f"link {number}")
+        elements[name] = element
+    return elements
+
+
+def _check_no_template(path: Path, root: ET.Element) -> None:
+    """Raise InputError for a template of xacro, from which ROS makes a URDF file."""
+    for element in root.iter():
+        space, _, name = element.tag.rpartition("}")
+        found = f"xacro:{name}" if "xacro" in space else None
+        if element.tag in _READ_ELEMENTS:
+            found = next((text for text in element.attrib.values() if "${" in text or "$(" in text), found)
+        if found is not None:
+            remedy = f"run `xacro {path.name} > robot.urdf`, and use its output"
+            raise InputError(path, f"is a template, found {clean_text(found)}: {remedy}")
 
 
 def _home(path: Path) -> Path:
@@ -114,16 +150,21 @@ def _pose(path: Path, element: ET.Element | None) -> Matrix:
 def _joint_element(path: Path, element: ET.Element) -> JointElement:
     kind = (element.get("type") or "").strip().lower()
     name = clean_text(element.get("name") or "")
+    with about(path, f"joint {name}".strip()):
+        return _joint(path, element, kind, name)
+
+
+def _joint(path: Path, element: ET.Element, kind: str, name: str) -> JointElement:
     ends = [end.get("link") if (end := element.find(role)) is not None else None for role in ("parent", "child")]
     if ends[0] is None or ends[1] is None:
-        raise InputError(path, "expected a parent and a child link", f"joint {name}")
+        raise InputError(path, "expected a parent and a child link")
     along = element.find("axis")
     if kind == FIXED:
         along = None  # files write an axis of zero for a fixed joint
     axis = read_numbers(path, {} if along is None else along.attrib, "xyz", (1.0, 0.0, 0.0))
     length = float(np.linalg.norm(axis))
     if length < 1.0 / MAX_NUMBER:
-        raise InputError(path, "expected an axis that is not zero", f"joint {name}")
+        raise InputError(path, "expected an axis that is not zero")
     limits = None if kind == "continuous" else _limits(path, element.find("limit"))
     return JointElement(kind, ends[0], ends[1], _pose(path, element.find("origin")), axis / length, limits, name)
 
@@ -136,19 +177,29 @@ def _limits(path: Path, element: ET.Element | None) -> tuple[float, float] | Non
     return (lower, upper) if -MAX_NUMBER <= lower < upper <= MAX_NUMBER else None
 
 
-def _piece(path: Path, meshes: RobotMeshes, element: ET.Element, looks: UrdfMaterials | None) -> RobotPiece | None:
-    """The piece of a visual or collision element. None if it has no mesh."""
+def _piece(
+    path: Path, meshes: RobotMeshes, element: ET.Element, looks: UrdfMaterials | None, link: str, repairs: list[str]
+) -> RobotPiece | None:
+    """The piece of a visual or collision element of a link. None if it has no mesh, which the repairs say."""
     pose = _pose(path, element.find("origin"))
     shape = next(iter(element.findall("geometry/*")), None)
     if shape is None:
+        repairs.append(f"{link}: {element.tag} without geometry: skipped")
         return None
 
     def number(field: str) -> float:
         return float(read_numbers(path, shape.attrib, field, (1.0,))[0])
 
+    for field, count in _SIZES.get(shape.tag, {}).items():
+        if np.any(read_numbers(path, shape.attrib, field, (1.0,) * count) < 0.0):
+            repairs.append(f"{link}: {shape.tag} with the {field} {clean_text(shape.attrib[field])}, below 0: skipped")
+            return None
     mesh: Mesh | None
     if shape.tag == "mesh":
         file = shape.get("filename") or ""
+        if not file:
+            repairs.append(f"{link}: mesh without filename: skipped")
+            return None
         mesh = meshes.read(mesh_path(file, path, meshes.home), lambda: missing_mesh(file, path, meshes.home))
         pose[:3, :3] *= read_numbers(path, shape.attrib, "scale", (1.0, 1.0, 1.0))
     elif shape.tag == "box":

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -10,19 +13,23 @@ import numpy as np
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, Shape, join
+from kinmo.core.wording import clean_text
 from kinmo.io.readers import solids
+from kinmo.io.readers.image_files import MAX_NAMED
 from kinmo.io.readers.optional_library import optional_library
 from kinmo.io.readers.polygons import triangulate
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.scene import F64, MAX_NODES, Scene, SceneBuilder, placed
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
-from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, check_no_pointer, inside, read_beginning
+from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, check_no_pointer, inside, named_by, read_beginning
 
 USD = "usd"
 _ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
 _TURNS = {"X": (2, 0, 1), "Y": (1, 2, 0), "Z": (0, 1, 2)}
 """Order of the coordinates of a solid along z that puts it along another axis."""
+
+_MISSING_ASSET = re.compile(r"Could not (?:open asset|load sublayer) @(.+?)@")
 
 
 def read_usd(path: Path, facts: StatedFacts = NO_FACTS) -> Shape:
@@ -40,13 +47,27 @@ def read_usd_scene(path: Path) -> Scene:
         raise InputError(path, f"larger than {MAX_SCENE_BYTES >> 20} MiB")
     optional_library("pxr", "usd", path, "is USD")
     try:
-        return _UsdScene(path).scene()
+        with _without_warnings():
+            return _UsdScene(path).scene()
     except InputError:
         raise
     except Exception as error:  # usd-core raises errors of its own kinds
         first = error.args[0] if error.args else error
         problem = getattr(first, "commentary", str(first))
         raise InputError(path, f"expected a readable USD file ({problem})") from None
+
+
+@contextmanager
+def _without_warnings() -> Iterator[None]:
+    """Keep usd-core from writing warnings to the terminal. Its errors are still raised."""
+    from pxr import UsdUtils
+
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        delegate.TakeUncoalescedDiagnostics()
+        del delegate
 
 
 class _UsdScene:
@@ -59,10 +80,17 @@ class _UsdScene:
         self.stage = Usd.Stage.Open(str(path))
         for layer in self.stage.GetUsedLayers():
             if layer.realPath:
-                inside(Path(layer.identifier.partition("[")[0].partition(":SDF_FORMAT_ARGS:")[0]), path.parent)
+                file = layer.identifier.partition("[")[0].partition(":SDF_FORMAT_ARGS:")[0]
+                try:
+                    inside(Path(file), path.parent)
+                except InputError as error:
+                    raise named_by(path, "layers", file, error) from None
         self.time = Usd.TimeCode.EarliestTime()
         self.poses = UsdGeom.XformCache(self.time)
         self.builder = SceneBuilder(path)
+        for count, problem in enumerate(self.stage.GetCompositionErrors()):
+            named = _unresolved(str(problem), path.parent)
+            self.builder.ignore(named if count < MAX_NAMED else "further layers and prims that cannot be found")
 
     def scene(self) -> Scene:
         pending = [(child, 0) for child in reversed(self._children(self.stage.GetPseudoRoot()))]
@@ -177,13 +205,21 @@ class _UsdScene:
         return join(*found) if found else None
 
 
+def _unresolved(problem: str, folder: Path) -> str:
+    """What a composition error of usd-core is about, without the place of the folder."""
+    text = problem.replace(f"{folder.absolute()}{os.sep}", "").rstrip(".")
+    found = _MISSING_ASSET.match(text)
+    return f"asset {clean_text(found[1])} (cannot be opened)" if found else clean_text(text)
+
+
 def _source_files(path: Path) -> SourceFiles:
     """The file and the layers that it refers to."""
     files = [path]
     try:
         from pxr import UsdUtils
 
-        layers, _, _ = UsdUtils.ComputeAllDependencies(str(path))
+        with _without_warnings():
+            layers, _, _ = UsdUtils.ComputeAllDependencies(str(path))
         files += [Path(layer.realPath) for layer in layers if layer.realPath and "[" not in layer.realPath]
     except Exception:  # missing library or broken file: reading names the problem
         pass

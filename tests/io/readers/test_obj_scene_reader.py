@@ -1,0 +1,76 @@
+"""The parts of OBJ files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from datasets import box_obj
+from obj_files import obj
+
+import kinmo
+from kinmo.core.shape import Shape
+
+
+def names(shape: Shape) -> list[tuple[str, str, int]]:
+    """Name of the parent, name, and number of faces of each part below the root, sorted."""
+    below = [(shape.parts[part.parent].name, part) for part in shape.parts if part.parent is not None]
+    return sorted((above, part.name, 0 if part.mesh is None else len(part.mesh.faces)) for above, part in below)
+
+
+@pytest.mark.parametrize("key", ["g", "usemtl"])
+def test_a_repeated_group_or_material_continues_its_part(key: str, tmp_path: Path) -> None:
+    path = obj(tmp_path / "a.obj", f"{key} door", f"{key} body", f"  {key}\tdoor", f"{key} knob  # small")
+    assert names(kinmo.load(path)) == [("", "body", 1), ("", "door", 2), ("", "knob", 1)]
+
+
+def test_objects_of_the_same_name_are_parts_of_their_own(tmp_path: Path) -> None:
+    path = obj(tmp_path / "a.obj", "o door", "o body", "  o\tdoor", "o door  # third", "o knob")
+    assert names(kinmo.load(path)) == [("", name, 1) for name in ("body", "door", "door", "door", "knob")]
+
+
+def test_groups_of_objects_of_the_same_name_stay_apart(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "o door\ng leaf", "g knob", "o door\ng leaf", "g knob", "g leaf"))
+    assert names(shape) == [
+        ("", "door", 0),
+        ("", "door", 0),
+        ("door", "knob", 1),
+        ("door", "knob", 1),
+        ("door", "leaf", 1),
+        ("door", "leaf", 2),
+    ]
+
+
+def test_groups_are_below_the_objects_that_have_several(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "o left\ng leaf", "g knob", "o right\ng leaf", "o body"))
+    assert [row[:2] for row in names(shape)] == [
+        ("", "body"),
+        ("", "left"),
+        ("", "right"),
+        ("left", "knob"),
+        ("left", "leaf"),
+    ]
+
+
+def test_materials_divide_nothing_where_groups_do(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "g door\nusemtl wood", "usemtl steel", "g body\nusemtl wood"))
+    assert names(shape) == [("", "body", 1), ("", "door", 2)]
+
+
+def test_faces_above_the_first_group_have_no_name(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "# header", "g door", "g"))
+    assert names(shape) == [("", "", 2), ("", "door", 1)]
+
+
+def test_polygons_of_an_obj_file_stay_in_their_group(tmp_path: Path) -> None:
+    text = "\n".join(["g all", box_obj((0, 0, 0), (1, 1, 1)).replace("o box\n", "")])
+    second = "v 9 0 0\nv 9 1 0\nv 9 1 1\nv 9 0.5 2\nv 9 0 1\ng five\nf -5 -4 -3 -2 -1\nl 1 2\n"
+    (tmp_path / "a.obj").write_text(text + second)
+    shape = kinmo.load(tmp_path / "a.obj")
+    assert {part.name: len(part.mesh.faces) for part in shape.parts if part.mesh} == {"all": 12, "five": 3}
+    assert shape.repairs == ("materials box.mtl (missing) ignored: 1", "points and lines ignored: 1")
+
+
+def test_faces_of_fewer_than_three_corners_are_said(tmp_path: Path) -> None:
+    shape = kinmo.load(obj(tmp_path / "a.obj", "o door", "o body\nf 1 2\nf 1", "o knob"))
+    assert shape.repairs == ("faces of fewer than three corners ignored: 2",)

@@ -1,0 +1,72 @@
+"""What the reader of USD says about layers that are not there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import kinmo
+from kinmo.io.discover import discover
+from kinmo.io.source_files import fingerprint
+
+pytest.importorskip("pxr")
+
+STAGE = """#usda 1.0
+(
+    {layers}
+)
+def Xform "chest"
+{{
+    def Cube "body"
+    {{
+    }}
+    def Sphere "knob"
+    {{
+        double radius = 3
+    }}
+    def Xform "door" ( {door} )
+    {{
+    }}
+}}
+"""
+
+
+def stage(path: Path, door: str = "", layers: str = "") -> Path:
+    path.write_text(STAGE.format(door=door, layers=layers))
+    return path
+
+
+@pytest.mark.parametrize("arc", ["references", "payload"])
+def test_a_missing_asset_is_named_in_the_repairs_alone(arc: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (found,) = discover(stage(tmp_path / "a.usda", f"prepend {arc} = @gone/door.usda@"))
+    shape = found.read()
+    assert len(shape.leaves) == 2
+    assert shape.repairs == ("asset gone/door.usda (cannot be opened) ignored: 1",)
+    assert [row[0] for row in fingerprint(found)] == ["a.usda"]
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_missing_sublayer_is_named(tmp_path: Path) -> None:
+    shape = kinmo.load(stage(tmp_path / "a.usda", layers="subLayers = [@gone.usda@]"))
+    assert shape.repairs == ("asset gone.usda (cannot be opened) ignored: 1",)
+
+
+def test_a_reference_to_a_missing_prim_is_named(tmp_path: Path) -> None:
+    shape = kinmo.load(stage(tmp_path / "a.usda", "references = </nothing>"))
+    problem = "Unresolved reference prim path @a.usda@</nothing> introduced by @a.usda@</chest/door>"
+    assert shape.repairs == (f"{problem} ignored: 1",)
+
+
+def test_many_missing_assets_are_counted(tmp_path: Path) -> None:
+    assets = ", ".join(f"@gone{number}.usda@" for number in range(8))
+    shape = kinmo.load(stage(tmp_path / "a.usda", f"references = [{assets}]"))
+    assert len(shape.repairs) == 6
+    assert "further layers and prims that cannot be found ignored: 3" in shape.repairs
+
+
+def test_a_broken_layer_is_named(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "door.usda").write_text("#usda 1.0\ndef {")
+    shape = kinmo.load(stage(tmp_path / "a.usda", "references = @./door.usda@"))
+    assert shape.repairs == ("asset door.usda (cannot be opened) ignored: 1",)
+    assert capfd.readouterr() == ("", "")
