@@ -9,7 +9,7 @@ from articulated import shape_of_boxes
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.core.oriented_box import Box
-from kinmo.robot.clearance import GAP, _Piece
+from kinmo.robot.clearance import GAP, MARGINS, MAX_GAP, _Piece
 from kinmo.robot.robot import Collision, Robot
 from kinmo.robot.robot_builder import build_robot
 
@@ -18,11 +18,13 @@ Z = np.array([0.0, 0.0, 1.0])
 CARCASS = ((0.0, 0.0, 0.0), (1.0, 1.0, 0.5))
 
 
-def robot_with(*parts: tuple[tuple[float, float, float], tuple[float, float, float]], joint: Joint) -> Robot:
+def robot_with(
+    *parts: tuple[tuple[float, float, float], tuple[float, float, float]], joint: Joint, scale: float = 1.0
+) -> Robot:
     """A carcass whose other parts move by one joint each, as a robot with convex collision geometry."""
     bodies = [Body(0, "carcass", (1,)), *(Body(i, f"part {i}", (i + 1,), 0, joint) for i in range(1, len(parts) + 1))]
     shape = shape_of_boxes([CARCASS, *parts], bodies)
-    return build_robot(shape, shape.mobility, collision="convex")
+    return build_robot(shape, shape.mobility, scale, collision="convex")
 
 
 def boxes(robot: Robot, link: int) -> list[Box]:
@@ -41,6 +43,13 @@ def test_a_door_that_touches_the_carcass_gets_a_gap() -> None:
         ((0.0, 0.0, 0.5), (1.0, 1.0, 0.52)), joint=Joint(JointKind.REVOLUTE, Y, np.array([0, 0, 0.52]), -1.5, 0.0)
     )
     assert GAP <= gap(robot, 0, 1) / robot.diagonal <= 3.0 * GAP
+
+
+@pytest.mark.parametrize(("scale", "least"), [(0.2, MARGINS), (0.02, MAX_GAP * 0.02 * 1.5)])
+def test_small_objects_have_room_for_the_margins_of_a_simulator(scale: float, least: float) -> None:
+    joint = Joint(JointKind.PRISMATIC, Z, np.zeros(3), 0.0, 0.4)
+    robot = robot_with(((0.0, 0.0, 0.5), (1.0, 1.0, 0.6)), joint=joint, scale=scale)
+    assert least <= gap(robot, 0, 1) <= 3.0 * least
 
 
 def test_parts_that_are_apart_stay_as_they_are() -> None:

@@ -26,6 +26,10 @@ F64 = NDArray[np.float64]
 
 GAP = 0.002
 """Least gap between two links, in diagonals of the object."""
+MARGINS = 0.002
+"""Least gap between two links in metres: PyBullet adds a margin of a millimetre to each hull."""
+MAX_GAP = 0.01
+"""Largest gap for the sake of the margins, in diagonals of the object."""
 MAX_CUT_AT_REST = 0.4
 """Largest share of its extent that a shape loses for the pose of the file. Otherwise the smaller shape is dropped."""
 MAX_CUT_ON_THE_WAY = 0.25
@@ -126,7 +130,7 @@ class _Group:
 
 
 def with_clearance(robot: Robot) -> Robot:
-    """The robot with collision shapes that keep a gap of `GAP`, at rest and where each joint moves alone.
+    """The robot with collision shapes that keep a small gap, at rest and where each joint moves alone.
 
     A limit is moved to where a shape hits another that cannot be cut enough. Shapes of links that are welded together do not
     count, nor do surfaces that are not convex.
@@ -139,7 +143,7 @@ def with_clearance(robot: Robot) -> Robot:
     ]
     if not pieces:
         return robot
-    gap = GAP * robot.diagonal
+    gap = max(GAP * robot.diagonal, min(MARGINS, MAX_GAP * robot.diagonal))
     below = [robot.links_below(index) for index in range(len(robot.links))]
     groups: dict[int, tuple[_Group, _Group]] = {}
     for joint in robot.joints:
@@ -153,7 +157,7 @@ def with_clearance(robot: Robot) -> Robot:
     for piece in pieces:
         piece.whole = piece.points
     joints = [
-        _cleared(joint, robot.links[joint.child].origin, *groups[joint.child], robot.diagonal)
+        _cleared(joint, robot.links[joint.child].origin, *groups[joint.child], robot.diagonal, gap)
         if joint.child in groups
         else joint
         for joint in robot.joints
@@ -169,7 +173,7 @@ def with_clearance(robot: Robot) -> Robot:
     return replace(robot, links=tuple(links), joints=tuple(joints))
 
 
-def _cleared(joint: RobotJoint, origin: Vector, moving: _Group, others: _Group, diagonal: float) -> RobotJoint:
+def _cleared(joint: RobotJoint, origin: Vector, moving: _Group, others: _Group, diagonal: float, gap: float) -> RobotJoint:
     """A joint with limits that it can reach, after its way to them is cleared."""
     is_endless = joint.lower is None or joint.upper is None
     ends = FULL_TURN if joint.lower is None or joint.upper is None else (joint.lower, joint.upper)
@@ -179,7 +183,7 @@ def _cleared(joint: RobotJoint, origin: Vector, moving: _Group, others: _Group, 
         steps = min(MAX_STEPS, math.ceil(abs(end) * reach / (STEP * diagonal)))
         reached = 0.0
         for value in np.linspace(0.0, end, steps + 1)[1:].tolist():
-            stuck = list(_uncut(moving, others, _motion(joint, origin, value), GAP * diagonal, MAX_CUT_ON_THE_WAY))
+            stuck = list(_uncut(moving, others, _motion(joint, origin, value), gap, MAX_CUT_ON_THE_WAY))
             if stuck and not is_endless and abs(reached) >= MIN_TRAVEL * abs(end):
                 break
             for piece, other in stuck:
