@@ -200,6 +200,15 @@ def test_save_writes_joints_json_beside_other_files(prediction: kinmo.Prediction
     assert prediction.save(tmp_path / "deep" / "folder").is_file()
 
 
+def test_save_keeps_the_settings_of_the_export(prediction: kinmo.Prediction, tmp_path: Path) -> None:
+    folder = tmp_path / "cabinet"
+    prediction.export(folder, ["urdf", "joints_json"], collision="hull", package="cabinet")
+    settings = json.loads((folder / "joints.json").read_text(encoding="utf-8"))["export"]
+    prediction.save(folder)
+    assert json.loads((folder / "joints.json").read_text(encoding="utf-8"))["export"] == settings
+    assert (settings["collision"], settings["package"]) == ("hull", "cabinet")
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_the_api_predicts_what_the_command_line_predicts(method: str, trained: Trained, tmp_path: Path) -> None:
     source = sorted((trained.shapes / "partnet").iterdir())[0]

@@ -27,7 +27,7 @@ from kinmo.dataset.cache import Cache
 from kinmo.io.atomic_files import write_text_atomically
 from kinmo.io.folder_lock import locked
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE, parse_overrides, read_overrides
-from kinmo.io.result_folder import formats_in, read_result, write_result
+from kinmo.io.result_folder import options_in, read_result, write_result
 from kinmo.io.writers import ExportedObject, ExportOptions
 from kinmo.io.writers.joints_json_writer import write_joints_json
 from kinmo.io.writers.overrides_writer import overrides_text
@@ -270,8 +270,9 @@ class Prediction:
             Path of the file.
         """
         folder = Path(folder)
-        name, formats = folder.resolve().name, tuple(dict.fromkeys((*formats_in(folder), "joints_json")))
-        options = ExportOptions(name, self.shape.metres_per_unit, provenance=self.provenance, formats=formats)
+        saved, scale = options_in(folder), self.shape.metres_per_unit
+        formats = tuple(dict.fromkeys((*saved.formats, "joints_json")))
+        options = replace(saved, metres_per_unit=scale, provenance=self.provenance, formats=formats)
         for file, text in self._overrides_text(folder).items():
             write_text_atomically(folder / file, text)
         path = write_joints_json(ExportedObject(self.shape, self.estimate, options), folder)

@@ -80,17 +80,20 @@ def read_result(folder: Path, source: Path | None = None) -> SavedResult:
         estimate, provenance = prediction_in(document, shape)
     except InputError as error:
         raise InputError(error.where, f"{error.problem}: {PREDICT_AGAIN}", error.field) from None
+    return SavedResult(shape, estimate, replace(_options(folder, document), provenance=provenance))
+
+
+def _options(folder: Path, document: JsonField) -> ExportOptions:
+    """Settings of the export of a result, as its joints.json has them, without the provenance."""
     export = document["export"]
     if export.is_absent:
-        return SavedResult(shape, estimate, ExportOptions(folder.resolve().name, provenance=provenance))
+        return ExportOptions(folder.resolve().name)
     scale = export["metres_per_unit"].number()
     if scale <= 0.0:
         raise export["metres_per_unit"].fail("expected a positive number")
     name, formats = export["name"].text(), tuple(item.text() for item in export["formats"].items())
-    options = ExportOptions(name, scale, provenance=provenance, formats=formats, collision=_collision(export["collision"]))
-    if not export["package"].is_absent:
-        options = replace(options, package=export["package"].text())
-    return SavedResult(shape, estimate, options)
+    package = "" if export["package"].is_absent else export["package"].text()
+    return ExportOptions(name, scale, formats=formats, collision=_collision(export["collision"]), package=package)
 
 
 def _collision(field: JsonField) -> CollisionMode:
@@ -102,13 +105,12 @@ def _collision(field: JsonField) -> CollisionMode:
     return modes[field.text()]
 
 
-def formats_in(folder: Path) -> tuple[str, ...]:
-    """Formats of a result, as its joints.json states them. Empty if there is none, or it is damaged."""
+def options_in(folder: Path) -> ExportOptions:
+    """Settings of the export of a result, without the provenance. The usual ones without a joints.json that can be read."""
     try:
-        export = read_document(folder / FILE_NAME)["export"]
-        return () if export.is_absent else tuple(item.text() for item in export["formats"].items())
+        return _options(folder, read_document(folder / FILE_NAME))
     except InputError:
-        return ()
+        return ExportOptions(folder.resolve().name)
 
 
 def write_result(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kinmo.core.wording import clean_text
-from kinmo.io.result_folder import formats_in
+from kinmo.io.result_folder import options_in
 
 MAX_LISTED_FILES = 6
 """Largest number of files that the line names."""
@@ -28,7 +28,7 @@ class EarlierResult:
     @staticmethod
     def of(folder: Path) -> EarlierResult:
         """The result in a folder. One without formats if there is none."""
-        formats = formats_in(folder)
+        formats = options_in(folder).formats
         files = sorted(path.name for path in folder.iterdir() if path.is_file()) if formats else []
         return EarlierResult(formats, tuple(files))
 
