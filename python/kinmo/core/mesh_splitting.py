@@ -44,7 +44,7 @@ def merge_small_parts(mesh: Mesh, labels: NDArray[np.int64], most: int) -> NDArr
 
 
 def cut_mesh(mesh: Mesh, normal: NDArray[np.float64], level: float) -> Mesh:
-    """What of a mesh lies at or above a plane, without its look.
+    """The piece of a mesh at or above a plane, without its look.
 
     Args:
         mesh: the mesh.

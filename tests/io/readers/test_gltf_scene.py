@@ -1,4 +1,4 @@
-"""What the scene of a glTF file says about meshes that show nothing."""
+"""Scenes of glTF files: meshes that show nothing are reported."""
 
 from __future__ import annotations
 

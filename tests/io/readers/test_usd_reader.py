@@ -1,4 +1,4 @@
-"""What the reader of USD says about layers that are not there."""
+"""USD files whose layers are not there."""
 
 from __future__ import annotations
 

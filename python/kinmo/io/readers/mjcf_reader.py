@@ -268,7 +268,7 @@ _FIXED_JOINT = (FIXED, "", np.array([0.0, 0.0, 1.0]), np.zeros(3), None)
 
 
 def _title(link: str, geom: Attributes | None = None) -> str:
-    """What a message names: the body of a link, and the geom in it."""
+    """Name for messages of the body of a link, or of a geom in it."""
     body = link if link.startswith(_UNNAMED) else f"body {clean_text(link)}"
     return body if geom is None else f"{body}: geom {clean_text(geom.get('name', ''))}".strip()
 

@@ -17,7 +17,7 @@ F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
 LESS_THAN_A_TRIANGLE = "faces of fewer than three corners"
-"""What readers report of polygons that give no triangle."""
+"""Name for notes of polygons that give no triangle."""
 _TOLERANCE = 1e-9
 """Largest overlap of a triangle in the wrong direction, relative to the area of the polygon."""
 _MAX_FAN_STARTS = 16

@@ -206,7 +206,7 @@ class _UsdScene:
 
 
 def _unresolved(problem: str, folder: Path) -> str:
-    """What a composition error of usd-core is about, without the place of the folder."""
+    """Subject of a composition error of usd-core, without the place of the folder."""
     text = problem.replace(f"{folder.absolute()}{os.sep}", "").rstrip(".")
     found = _MISSING_ASSET.match(text)
     return f"asset {clean_text(found[1])} (cannot be opened)" if found else clean_text(text)

@@ -144,7 +144,7 @@ def _best(weights: dict[int, float], joints: Sequence[Joint | None]) -> list[int
 
 
 def sliders_beside(geometry: ShapeGeometry, bodies: Sequence[Sequence[int]], joints: Sequence[Joint | None]) -> list[set[int]]:
-    """For every body that slides: the sliders in parallel that are neither behind it nor in front of it."""
+    """Parallel sliders beside every body that slides: neither behind it nor in front of it."""
     found: list[set[int]] = [set() for _ in bodies]
     sliders = {
         place: joint.direction

@@ -92,7 +92,7 @@ class Fronts:
         return self.back_plane(opening) + self.thickness * {"bowed": 1.6, "framed": 0.9, "raised": 1.35}.get(self.look, 1.0)
 
     def face(self, opening: Opening) -> Opening:
-        """What the front of an opening covers."""
+        """The rectangle that the front of an opening covers."""
         if self.gap >= 0 or opening.border is None:
             return replace(opening, width=opening.width - 2 * self.gap, height=opening.height - 2 * self.gap)
         left, right, below, above = (min(room - self.reveal, -self.gap) for room in opening.border)
