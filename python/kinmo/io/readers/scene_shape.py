@@ -19,6 +19,7 @@ from kinmo.core.shape import Mesh, Part, Shape, bounds_of, join
 from kinmo.core.surface_patches import patches_of_faces
 from kinmo.core.wording import clean_text, counted
 from kinmo.io.readers.face_labels import read_labels
+from kinmo.io.readers.far_parts import far_parts
 from kinmo.io.readers.floor_plane import floor_planes
 from kinmo.io.readers.part_hierarchy import MAX_PARTS, has_surface
 from kinmo.io.readers.scene import Scene, SceneNode
@@ -55,9 +56,9 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
     The nodes with a mesh become parts, in their hierarchy. The mesh of a node that also has children becomes one more child.
     Nodes without a mesh at or below them are skipped. So are nodes above the first node that has a mesh or several children, as
     well as groups without a name that hold one node.
-    A floor plane is dropped. A single mesh is split into its loose pieces. Where parts are no more than loose pieces, they are
-    divided at creases, and each becomes a node above its patches. With labels, every label is a part. The smallest parts beyond
-    `MAX_PARTS` are merged into others.
+    A floor plane is dropped, and so are parts far from the object. A single mesh is split into its loose pieces. Where parts
+    are no more than loose pieces, they are divided at creases, and each becomes a node above its patches. With labels, every
+    label is a part. The smallest parts beyond `MAX_PARTS` are merged into others.
 
     Args:
         scene: A scene of a 3D file.
@@ -83,6 +84,9 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
     if not meshes:
         raise InputError(scene.path, "no part has geometry")
     if facts.labels is None:
+        for index in far_parts(meshes):
+            repairs.append(f"{_title(nodes[index], index)} is far from everything else: dropped")
+            del meshes[index]
         up = np.array(AXIS_VECTORS[facts.up or scene.up])
         for index in floor_planes(meshes, up):
             repairs.append(f"{_title(nodes[index], index)} is a floor: dropped")
