@@ -25,31 +25,23 @@ def entries(trained: Trained) -> list[IndexEntry]:
     return list(open_dataset(trained.workspace).labelled[Split.TRAIN][:2])
 
 
-@pytest.mark.parametrize("fragments", [0.0, 1.0])
-def test_forms_are_the_same_at_every_call(fragments: float) -> None:
+def test_forms_are_the_same_at_every_call() -> None:
     shape = cabinet_shape(1)[0]
     for form in FORMS:
-        one, other = (training_form(shape, form, fragments) for _ in range(2))
+        one, other = (training_form(shape, form) for _ in range(2))
         assert [part.name for part in one.parts] == [part.name for part in other.parts]
         for first, second in zip(one.meshes(), other.meshes(), strict=True):
             np.testing.assert_array_equal(first.vertices, second.vertices)
 
 
-@pytest.mark.parametrize("fragments", [0.0, 1.0])
-def test_forms_keep_the_joints(fragments: float) -> None:
+def test_forms_keep_the_joints() -> None:
     shape = cabinet_shape(1)[0]
     assert shape.mobility is not None
     for form in FORMS:
-        mobility = training_form(shape, form, fragments).mobility
+        mobility = training_form(shape, form).mobility
         assert mobility is not None
         assert len(list(mobility.movable())) == len(list(shape.mobility.movable()))
-    assert not any(part.name for part in training_form(shape, "pieces", fragments).parts[1:])
-
-
-def test_fragments_make_many_parts_of_one_mesh() -> None:
-    shape = cabinet_shape(1)[0]
-    whole, broken = (training_form(shape, "pieces", fragments) for fragments in (0.0, 1.0))
-    assert len(broken.leaves) > len(whole.leaves)
+    assert not any(part.name for part in training_form(shape, "pieces").parts[1:])
 
 
 def test_unchanged_forms_are_not_prepared_again(trained: Trained, entries: list[IndexEntry], tmp_path) -> None:

@@ -146,8 +146,6 @@ class GroupingConfig:
     """Share of training shapes whose names are in an unknown language: only how alike they are is seen."""
     hide_hierarchy: Share = 0.6
     """Share of training shapes whose hierarchy is hidden."""
-    fragments: Share = 0.0
-    """Share of training shapes that are broken into many fragments where they are one mesh."""
     batch_graphs: Count = 24
     """Shapes in a batch."""
 

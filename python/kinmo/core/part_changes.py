@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinmo.core.loose_pieces import loose_pieces
-from kinmo.core.part_fragments import block, random_face
+from kinmo.core.oriented_box import CORNER_SIGNS
 from kinmo.core.shape import Mesh, bounds_of, join
 from kinmo.core.shape_forms import FlatPart
 
@@ -38,6 +38,14 @@ SMALL_AREA = 0.01
 """Share of the whole surface below which a part may be lost."""
 SMALL_AREA_OF_BODY = 0.2
 """Share of its body's surface below which a part may be lost."""
+_BOX_FACES = np.array(
+    [
+        *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
+        *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
+    ],
+    np.uint32,
+)
+"""Corners of the triangles of a box, as indices into `CORNER_SIGNS`."""
 
 
 def changed_parts(parts: Sequence[FlatPart], rng: np.random.Generator) -> list[FlatPart]:
@@ -118,11 +126,13 @@ def _studded(parts: list[FlatPart], rng: np.random.Generator, diagonal: float) -
     studs: list[FlatPart] = []
     for _ in range(int(np.exp(rng.uniform(0.0, np.log(MAX_STUDS))))):
         host = hosts[rng.integers(len(hosts))]
-        face = random_face(host.mesh, rng)
-        if face is None:
+        areas = host.mesh.face_areas
+        if not areas.sum() > 0.0:
             continue
-        place = rng.dirichlet([1.0, 1.0, 1.0]) @ face[0]
-        stud = _disc(place, face[1], radius) if is_round else block(place, radius * rng.uniform(0.3, 1.5, 3))
+        corners = host.mesh.triangles[rng.choice(len(areas), p=areas / areas.sum())]
+        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        place, normal = rng.dirichlet([1.0, 1.0, 1.0]) @ corners, normal / np.linalg.norm(normal)
+        stud = _disc(place, normal, radius) if is_round else _block(place, radius * rng.uniform(0.3, 1.5, 3))
         studs.append(replace(host, name=name, mesh=stud))
     if rng.random() < 0.3:
         bodies: dict[tuple[int | None, bool], list[FlatPart]] = {}
@@ -130,6 +140,10 @@ def _studded(parts: list[FlatPart], rng: np.random.Generator, diagonal: float) -
             bodies.setdefault((part.body, part.is_junk), []).append(part)
         studs = [replace(some[0], mesh=join(*(part.mesh for part in some))) for some in bodies.values()]
     return [*parts, *studs]
+
+
+def _block(center: NDArray[np.float64], half: NDArray[np.float64]) -> Mesh:
+    return Mesh(center + CORNER_SIGNS * half, _BOX_FACES)
 
 
 def _disc(center: NDArray[np.float64], axis: NDArray[np.float64], radius: float, sides: int = 10) -> Mesh:

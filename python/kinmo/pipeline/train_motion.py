@@ -87,7 +87,7 @@ class TrainMotion:
             found = f"found {len(training)} labelled shapes{of} for training and {len(validation)} for validation"
             raise InputError(self.workspace.prepared, f"{found}, expected both: prepare more shapes")
         data = {"training": fingerprint(training), "validation": fingerprint(validation)}
-        forms, trainer = TrainingForms(self.workspace, self.workers, config.grouping.fragments), self._trainer
+        forms, trainer = TrainingForms(self.workspace, self.workers), self._trainer
         grouping: TrainingTask | None = None
         for model in GROUPS[self.group]:
             section = getattr(config, TRAINERS[model][0])

@@ -20,7 +20,6 @@ from kinmo.config import RankingConfig
 from kinmo.core.errors import InputError
 from kinmo.core.normalisation import Normalisation
 from kinmo.core.part_changes import changed_parts
-from kinmo.core.part_fragments import fragmented_parts
 from kinmo.core.shape import Shape
 from kinmo.core.shape_forms import flat_parts, flat_shape, in_pieces
 from kinmo.dataset.cache import Cache, cache_key
@@ -41,9 +40,8 @@ from kinmo.methods.kinmo.ranking.training_views import training_groups
 from kinmo.methods.method import load_network
 
 FORMS = ("whole", "changed", "pieces")
-"""The shape as it is, as a flat list of parts that were changed at random, and as loose pieces of one mesh, some of them broken
-into fragments."""
-MAX_PIECES = 200
+"""The shape as it is, as a flat list of parts that were changed at random, and as loose pieces of one mesh."""
+MAX_PIECES = 120
 """Most loose pieces of a shape in training."""
 POINTS_PER_LEAF = 512
 """Surface samples per leaf."""
@@ -53,13 +51,11 @@ POINTS_PER_LEAF = 512
 class TrainingForms:
     """The prepared forms of a workspace's labelled shapes, and the same with proposals.
 
-    The forms lie beside the prepared shapes, which several workspaces may share. The proposals lie in the workspace itself. Of
-    the shapes, a share of `fragments` is broken into fragments where they are one mesh.
+    The forms lie beside the prepared shapes, which several workspaces may share. The proposals lie in the workspace itself.
     """
 
     workspace: Workspace
     workers: int
-    fragments: float = 0.0
 
     @property
     def folder(self) -> Path:
@@ -92,7 +88,7 @@ class TrainingForms:
         jobs = []
         for entry in entries:
             paths = tuple(self._path(entry, form) for form in FORMS)
-            jobs.append(_FormsJob(entry, cache_key(entry=entry.key, fragments=self.fragments), paths, self.fragments))
+            jobs.append(_FormsJob(entry, cache_key(entry=entry.key), paths))
         self._run(self.folder, _prepare_forms, jobs, "preparing forms", observer)
 
     def add_proposals(
@@ -152,8 +148,6 @@ class _Job:
 class _FormsJob(_Job):
     """Forms of one shape to prepare."""
 
-    fragments: float
-
 
 @dataclass(frozen=True)
 class _ProposalsJob(_Job):
@@ -164,28 +158,21 @@ class _ProposalsJob(_Job):
     config: RankingConfig
 
 
-def training_form(shape: Shape, form: str, fragments: float) -> Shape:
-    """One of the `FORMS` of a labelled shape; what is random is drawn for the shape, the same at every call.
-
-    Args:
-        shape: The shape.
-        form: The form.
-        fragments: Probability that it is broken into fragments before it becomes one mesh.
-    """
+def training_form(shape: Shape, form: str) -> Shape:
+    """One of the `FORMS` of a labelled shape; what is random is drawn for the shape, the same at every call."""
     if form == "whole":
         return shape
-    parts, rng = flat_parts(shape), np.random.default_rng(list(shape.id.encode()))
+    parts = flat_parts(shape)
     if form == "pieces":
-        parts = fragmented_parts(parts, rng) if rng.random() < fragments else parts
         return flat_shape(shape, in_pieces(parts, most=MAX_PIECES))
-    return flat_shape(shape, changed_parts(parts, rng))
+    return flat_shape(shape, changed_parts(parts, np.random.default_rng(list(shape.id.encode()))))
 
 
 def _prepare_forms(job: _FormsJob) -> list[Path]:
     shape = ShapeSource.of(job.entry).read()
     written = []
     for form, path in zip(FORMS, job.paths, strict=True):
-        formed = training_form(shape, form, job.fragments)
+        formed = training_form(shape, form)
         path.unlink(missing_ok=True)
         if len(formed.leaves) < 2:
             continue
