@@ -25,7 +25,7 @@ class Carcass:
 
 
 def add_boards(draw: Draw, frame: Node, size: Carcass) -> None:
-    """Add the panels of a carcass. Boards meet at their edges, or run through each other; back and top may be missing.
+    """Add the panels of a carcass. Boards meet at their edges, or run through each other; any but the sides may be missing.
 
     The back lies between the sides or behind them, and the sides stand between bottom and top or beside them.
     """
@@ -43,6 +43,7 @@ def add_boards(draw: Draw, frame: Node, size: Carcass) -> None:
         frame.add("back_panel", box_between((-wide, -y, -z), (wide, y, -z + thin)))
     near = z - draw.pick([0.0, draw.between(0.0, 0.1) * size.depth], [3, 1])
     wide = x if stands else inside
-    frame.add("bottom_panel", box_between((-wide, -y, -z + thin), (wide, -y + board, near)))
+    if stands or draw.chance(0.92):
+        frame.add("bottom_panel", box_between((-wide, -y, -z + thin), (wide, -y + board, near)))
     if stands or draw.chance(0.9):
         frame.add("top_panel", box_between((-wide, y - board, -z + thin), (wide, y, near)))

@@ -14,6 +14,9 @@ from kinmo.synth.primitives import X, Y, Z, box, box_between, cylinder, extrude,
 from kinmo.synth.primitives.transforms import facing, rotation_about, transform
 from kinmo.synth.synth_object import Link, Node, SynthObject, hinge, slider
 
+BOARDS_SHARE = 0.3
+"""Share of bodies that are a part for each board."""
+
 
 @dataclass(frozen=True)
 class _Size:
@@ -36,10 +39,14 @@ def build(draw: Draw) -> SynthObject:
     nested = draw.chance(0.2)
     root = Node(draw.pick(["Box", "box"], [5, 1]) if not nested else "storage_furniture")
     above = root.add("chest") if nested else root
-    body = above.add("chest_box" if nested else "base_body", *_tub(size))
-    base = Link("base_body", [body])
-    links = [base]
     kind = draw.pick(["lid", "flaps", "split", "loose", "drawer"], [14, 4, 1.5, 1.5, 0.7])
+    floor, *walls = _tub(size)[::-1]
+    apart = kind != "drawer" and draw.chance(BOARDS_SHARE)
+    body = above.add("chest_box" if nested else "base_body", floor, *([] if apart else walls))
+    base = Link("base_body", [body])
+    if apart:
+        base.nodes += [above.add(draw.pick(["panel", "side", "board"]), wall) for wall in walls]
+    links = [base]
     if kind == "lid":
         links += _lid(draw, above, base, size, nested)
     else:

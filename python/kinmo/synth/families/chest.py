@@ -9,17 +9,21 @@ import numpy as np
 
 from kinmo.synth.details.casework import add_door, add_door_pair, add_drawer, legs
 from kinmo.synth.details.casework_carcass import Carcass, add_boards
+from kinmo.synth.details.casework_doors import add_sliding_doors
 from kinmo.synth.details.casework_filling import OPEN_SHARE, bordered
 from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box_between
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject
 
+SLIDING_SHARE = 0.15
+"""Share of wide openings with doors that slide."""
+
 
 def build(draw: Draw) -> SynthObject:
     """Carcass with equal fronts: rows of drawers, a door, two doors, or doors with a row of drawers above or below.
 
-    Drawers slide forward. Doors turn about their outer edge, or all about the same side.
+    Drawers slide forward. Doors turn about their outer edge, or all about the same side, and some wide ones slide sideways.
     """
     tall = draw.chance(0.35)
     width = draw.ratio(0.3, 1.6)
@@ -109,6 +113,8 @@ class _Column:
             return [add_drawer(draw, root, base, part, fronts)]
         if draw.chance(0.4):
             self._inner_shelves(part)
+        if part.width > 0.6 and draw.chance(SLIDING_SHARE):
+            return add_sliding_doors(draw, root, base, part, self.board, upwards=False)
         if part.width > 0.5 * part.height or draw.chance(0.3):
             return add_door_pair(draw, root, base, part, fronts)
         return [add_door(draw, root, base, part, fronts, side)]

@@ -13,6 +13,11 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box, box_between, cylinder, move, rounded_path, sweep, torus, turn
 from kinmo.synth.synth_object import JointType, Link, Node, SynthObject, hinge, slider, spinner
 
+BARS_SHARE = 0.3
+"""Share of frames that are a part for each bar."""
+GATE_SHARE = 0.08
+"""Share of leaves that are made of bars."""
+
 
 def build(draw: Draw) -> SynthObject:
     """Door frame with one or two leaves that turn about an outer edge or slide sideways.
@@ -23,8 +28,10 @@ def build(draw: Draw) -> SynthObject:
     leaves = draw.pick([1, 2], [3, 2])
     width, height = draw.between(0.7, 1.1) * leaves, draw.between(1.7, 2.3)
     rim, depth = draw.between(0.03, 0.12), draw.between(0.05, 0.2)
-    frame_node = root.add("outside_frame", *_frame(draw, width, height, rim, depth))
-    base = Link("outside_frame", [frame_node], kind=draw.pick([JointType.STATIC, JointType.HEAVY], [4, 1]))
+    frame = _frame(draw, width, height, rim, depth)
+    pieces = [[piece] for piece in frame] if draw.chance(BARS_SHARE) else [frame]
+    frame_nodes = [root.add("outside_frame", *piece) for piece in pieces]
+    base = Link("outside_frame", frame_nodes, kind=draw.pick([JointType.STATIC, JointType.HEAVY], [4, 1]))
     links = [base]
     thickness = draw.between(0.03, 0.07)
     sliding = draw.chance(0.15)
@@ -73,8 +80,10 @@ class _Leaf:
         self.body = self.node.add("door_body")
 
     def fill(self, *, glazed: bool) -> None:
-        """Add a glazed sash, or a board."""
-        if glazed:
+        """Add a glazed sash, a board, or bars."""
+        if self.draw.chance(GATE_SHARE):
+            self._add_bars()
+        elif glazed:
             bars, glass = sash(self.draw, self.width, self.height, self.thickness)
             self.body.add("surface_board" if self.draw.chance(0.5) else "vertical_bar", *self._placed(bars))
             self.body.add("glass", *self._placed(glass))
@@ -83,6 +92,17 @@ class _Leaf:
             half = 0.5 * np.array([self.width, self.height])
             face = self.at[2] + 0.5 * self.thickness
             add_fittings(self.draw, self.body, self.at[:2] - half, self.at[:2] + half, face)
+
+    def _add_bars(self) -> None:
+        """Add two or three rails, and upright bars across them, each a part of its own."""
+        draw, thick = self.draw, self.thickness
+        wide, rails = draw.between(0.02, 0.08) * self.width, draw.pick([2, 3])
+        levels = np.linspace(-0.5, 0.5, rails) * self.height * draw.between(0.7, 0.95)
+        pieces = [box((self.width, wide, thick), (0, level, 0)) for level in levels]
+        places = np.linspace(-0.5, 0.5, draw.integer(4, 9)) * (self.width - wide)
+        pieces += [box((wide, self.height, draw.pick([0.6, 1.0]) * thick), (x, 0, 0)) for x in places]
+        for piece in self._placed(pieces):
+            self.body.add("bar", piece)
 
     def _placed(self, pieces: list[Mesh]) -> list[Mesh]:
         return [move(piece, self.at) for piece in pieces]

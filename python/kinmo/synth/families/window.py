@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kinmo.synth.details.appliances import rectangular_frame
+from kinmo.synth.details.appliances import frame_bars, rectangular_frame
 from kinmo.synth.details.door_leaves import sash
 from kinmo.synth.details.door_locks import add_door_lock
 from kinmo.synth.details.front_fittings import add_fittings
@@ -12,6 +12,11 @@ from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import box, cylinder, join, move
 from kinmo.synth.synth_object import JointType, Link, Motion, Node, SynthObject, hinge, slider
+
+BARS_SHARE = 0.3
+"""Share of windows whose frame is a part for each bar."""
+BOARD_SHARE = 0.15
+"""Share of sashes that are a plain board."""
 
 
 def build(draw: Draw) -> SynthObject:
@@ -28,6 +33,10 @@ def build(draw: Draw) -> SynthObject:
     if draw.chance(0.3):
         body.pieces.append(box((1.1 * width, 0.04, 2 * depth), (0, -height / 2 - 0.02, depth / 2)))
     base = Link("base_body", [body], kind=JointType.STATIC)
+    if draw.chance(BARS_SHARE):
+        first, *others = frame_bars(-half, half, rim)
+        body.pieces[0] = first
+        base.nodes += [root.add("frame", bar) for bar in others]
     opening = (width - 2 * rim, height - 2 * rim)
     kind = draw.pick(["slide", "hung", "casement", "awning", "pivot"], [4, 3, 4, 3, 1])
     if kind in ("slide", "hung"):
@@ -38,7 +47,9 @@ def build(draw: Draw) -> SynthObject:
 
 
 def _add_sash(draw: Draw, root: Node, name: str, size: tuple[float, float], at: np.ndarray, thickness: float) -> Node:
-    """Add a sash as one leaf, or as a frame and a pane."""
+    """Add a sash as one leaf, or as a frame and a pane. Some are a plain board."""
+    if draw.chance(BOARD_SHARE):
+        return root.add(name, box((*size, thickness), at))
     bars, glass = sash(draw, *size, thickness)
     bars, glass = [move(piece, at) for piece in bars], [move(piece, at) for piece in glass]
     if draw.chance(0.6):
