@@ -12,7 +12,7 @@ from small_shapes import cabinet_shape
 from kinmo.core.shape_forms import flat_parts, flat_shape
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
-from kinmo.methods.kinmo.grouping.grouped_shape import CERTAIN_MERGE, MAX_LOGIT
+from kinmo.methods.kinmo.grouping.grouped_shape import MAX_LOGIT
 
 MADE, ABSORBED, INSIDE, LEAST_INSIDE, OUTSIDE = range(5)
 IS_NODE, IS_MERGE = 9, 10
@@ -39,17 +39,6 @@ def test_proposals_are_leaves_merges_and_nodes_but_not_the_whole_shape(cabinet: 
     assert set(flat.proposals) == {(leaf,) for leaf in range(count)} | {
         merge.leaves for merge in grouped.merges if len(merge.leaves) < count
     }
-
-
-def test_halves_of_a_certain_merge_are_not_proposed(cabinet: PreparedShape) -> None:
-    grouped = grouped_without_network(cabinet, bodies_of(cabinet))
-    certain = [replace(merge, logit=CERTAIN_MERGE + 1.0) for merge in grouped.merges if merge.logit > 0]
-    uncertain = [merge for merge in grouped.merges if merge.logit <= 0]
-    pruned = replace(grouped, merges=certain + uncertain, shows_hierarchy=False)
-    halves = {half for merge in certain for half in merge.halves}
-    assert halves
-    assert set(pruned.proposals) == set(replace(grouped, shows_hierarchy=False).proposals) - halves
-    assert {cabinet.body_leaves[body] for body, _ in cabinet.annotation[0].movable()} <= set(pruned.proposals)
 
 
 def test_a_body_holds_together_and_is_set_apart(cabinet: PreparedShape) -> None:

@@ -1,7 +1,7 @@
 """A shape whose leaves the grouping networks have joined: proposals of bodies, and how well each holds together.
 
-Proposals are the leaves, the nodes of the merge tree, and the nodes of the hierarchy where it is shown, without those that are
-certainly parts of a body only. The ranking networks decide which of them move.
+Proposals are the leaves, the nodes of the merge tree, and the nodes of the hierarchy where it is shown. The ranking networks
+decide which of them move.
 """
 
 from __future__ import annotations
@@ -21,8 +21,6 @@ Group = tuple[int, ...]
 
 MAX_LOGIT = 12.0
 """Largest magnitude of a logit that counts, also that of a missing one."""
-CERTAIN_MERGE = 4.0
-"""Logit from which a merge is certain: its halves are no bodies. One mesh of hundreds of pieces has few proposals then."""
 COHESION_FEATURES = 11
 """Number of features of `GroupedShape.cohesion`."""
 
@@ -49,11 +47,10 @@ class GroupedShape:
     def proposals(self) -> tuple[Group, ...]:
         """Distinct sets of leaves (their positions, ascending) that may be a body; never all leaves of the shape."""
         count = len(self.shape.leaves)
-        absorbed = {half for merge in self.merges if merge.logit > CERTAIN_MERGE for half in merge.halves}
         groups: list[Group] = [(leaf,) for leaf in range(count)]
-        groups = [group for group in (*groups, *(merge.leaves for merge in self.merges)) if group not in absorbed]
+        groups += [merge.leaves for merge in self.merges]
         if self.shows_hierarchy:
-            groups += [leaves for leaves in self.shape.leaves_below[1:] if len(leaves) > 1]
+            groups += self.shape.leaves_below[1:]
         return tuple(group for group in dict.fromkeys(groups) if len(group) < count)
 
     def cohesion(self, groups: Sequence[Group]) -> NDArray[np.float32]:
