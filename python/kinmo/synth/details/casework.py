@@ -12,6 +12,9 @@ from kinmo.synth.draw import Draw
 from kinmo.synth.primitives import X, box, box_between, cylinder, join, lathe, move, open_box, turn
 from kinmo.synth.synth_object import Link, Node, hinge, slider
 
+MOST_BESIDE_A_FRONT = 120.0
+"""Largest opening in degrees of a front that would turn into the one beside it."""
+
 
 def add_drawer(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> Link:
     """Add a drawer that slides to +z. Its box is a group of boards, one block, or a block together with the front."""
@@ -128,13 +131,16 @@ def add_door(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: F
         foot = (x, y, fronts.surface(opening))
         node.add("handle", *fronts.grip(draw, length, foot, opening, vertical=upright == lies_along))
     inward = draw.pick([0.0, draw.between(0.0, 0.02), draw.between(0.02, 0.05)], [4, 4, 1]) * (width if upright else height)
-    axis = np.array([face.x, face.y, back + fronts.thickness * draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])])
+    lift = draw.pick([0.0, 0.5, 1.0, -0.2], [4, 3, 2, 1])
+    axis = np.array([face.x, face.y, back + fronts.thickness * lift])
     axis[0 if upright else 1] += (out[0] * width if upright else out[1] * height) / 2 - (sum(out) * inward)
     if draw.chance(0.2):
         _add_hinges(draw, node, above, carcass, axis, upright, height if upright else width)
     fronts.fit(draw, node, opening, side)
     direction = (0, out[0], 0) if upright else (-out[1], 0, 0)
     opens = draw.pick([90.0, 120.0, 160.0, 180.0], [6, 2, 1, 1])
+    if fronts.gap < 0 and lift < 1.0:
+        opens = min(opens, MOST_BESIDE_A_FRONT)
     rest = draw.between(10, 0.9 * opens) if draw.chance(0.12) else 0.0
     return Link("cabinet_door", [node], carcass, hinge(axis, direction, 0, opens, rest=rest), leaf_name="door")
 

@@ -152,6 +152,14 @@ def add_trim(draw: Draw, above: Node, carcass: Link, low: Point, high: Point) ->
             carcass.nodes += [above.add(name, piece) for piece in pieces]
 
 
+def add_inner_shelves(draw: Draw, above: Node, carcass: Link, opening: Opening, board: float, setback: float) -> None:
+    """Add one to three shelves behind the doors of an opening, `board` thick. They end `setback` behind its front."""
+    for level in np.linspace(opening.low, opening.high, draw.integer(1, 3) + 2)[1:-1].tolist():
+        low = (opening.x - opening.width / 2, level - board / 2, opening.front - opening.depth)
+        high = (opening.x + opening.width / 2, level + board / 2, opening.front - setback)
+        carcass.nodes.append(above.add("shelf", box_between(low, high)))
+
+
 def add_false_front(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fronts) -> None:
     """Add a fixed panel that looks like a drawer or a door, sometimes with a handle."""
     panel = fronts.panel(draw, opening)

@@ -10,6 +10,7 @@ import numpy as np
 from kinmo.synth.details.casework import add_door, add_door_pair, add_drawer, legs
 from kinmo.synth.details.casework_carcass import Carcass, add_boards
 from kinmo.synth.details.casework_doors import add_sliding_doors
+from kinmo.synth.details.casework_extras import add_inner_shelves
 from kinmo.synth.details.casework_filling import OPEN_SHARE, bordered
 from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.draw import Draw
@@ -112,17 +113,9 @@ class _Column:
         if kind == "drawer":
             return [add_drawer(draw, root, base, part, fronts)]
         if draw.chance(0.4):
-            self._inner_shelves(part)
+            add_inner_shelves(draw, root, base, part, self.board, max(fronts.thickness, 0.1 * part.depth))
         if part.width > 0.6 and draw.chance(SLIDING_SHARE):
             return add_sliding_doors(draw, root, base, part, self.board, upwards=False)
         if part.width > 0.5 * part.height or draw.chance(0.3):
             return add_door_pair(draw, root, base, part, fronts)
         return [add_door(draw, root, base, part, fronts, side)]
-
-    def _inner_shelves(self, part: Opening) -> None:
-        """Add one to three shelves behind a door."""
-        near = part.front - max(self.fronts.thickness, 0.1 * part.depth)
-        for level in np.linspace(part.low, part.high, self.draw.integer(1, 3) + 2)[1:-1].tolist():
-            low = (part.x - part.width / 2, level - self.board / 2, part.front - part.depth)
-            high = (part.x + part.width / 2, level + self.board / 2, near)
-            self.base.nodes.append(self.root.add("shelf", box_between(low, high)))

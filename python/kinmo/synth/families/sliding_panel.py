@@ -10,7 +10,7 @@ from kinmo.core.shape import Mesh
 from kinmo.synth.details.appliances import frame_bars
 from kinmo.synth.details.casework import add_drawer, legs
 from kinmo.synth.details.casework_doors import add_hung_door, add_shutter, add_sliding_doors
-from kinmo.synth.details.casework_extras import add_trim
+from kinmo.synth.details.casework_extras import add_inner_shelves, add_trim
 from kinmo.synth.details.casework_fronts import Fronts, Opening
 from kinmo.synth.details.handles import pull
 from kinmo.synth.draw import Draw
@@ -56,7 +56,7 @@ def _cupboard(draw: Draw) -> SynthObject:
             base.nodes.append(root.add("shelf", shelf))
         links += _close(draw, root, base, opening, fronts, board, may_differ=index > 0)
         if draw.chance(0.4):
-            _inner_shelves(draw, root, base, opening, board)
+            add_inner_shelves(draw, root, base, opening, board, min(6 * board, 0.4 * opening.depth))
     if draw.chance(0.4):
         thick = draw.ratio(0.02, 0.07)
         drop = low[1] - draw.between(0.05, 0.3)
@@ -73,14 +73,6 @@ def _shell(draw: Draw, low: np.ndarray, high: np.ndarray, board: float) -> list[
         return [open_box(low, high, board)]
     back = box_between((low[0], low[1], low[2] - 0.2 * board), (high[0], high[1], low[2] + 0.2 * board))
     return [*frame_bars(low, high, board), *([back] if draw.chance(0.85) else [])]
-
-
-def _inner_shelves(draw: Draw, root: Node, base: Link, opening: Opening, board: float) -> None:
-    """Add shelves behind the panels of an opening."""
-    near = opening.front - min(6 * board, 0.4 * opening.depth)
-    for level in np.linspace(opening.low, opening.high, draw.integer(1, 3) + 2)[1:-1]:
-        low = (opening.x - opening.width / 2, level - board / 2, opening.front - opening.depth)
-        base.nodes.append(root.add("shelf", box_between(low, (opening.x + opening.width / 2, level + board / 2, near))))
 
 
 def _close(
