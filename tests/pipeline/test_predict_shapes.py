@@ -1,4 +1,4 @@
-"""Prediction of users' shapes: folders and their names, edited and damaged results, and problems with single shapes."""
+"""Prediction of users' shapes: folders and their names, guesses, and problems with single shapes."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 from datasets import write_partnet, write_partnet_mobility
+from rigid_method import RigidMethod, source_of
 from trained_workspace import METHODS, Recorder, Trained, contents
 
 import kinmo
@@ -25,7 +25,6 @@ from kinmo.core.mobility import Body, Mobility
 from kinmo.core.motion_types import MotionType
 from kinmo.core.names import MAX_NAME_BYTES
 from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
-from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.features.shape_preparation import prepare_shape
 from kinmo.io.readers import read_partnet
@@ -42,35 +41,9 @@ Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation from y up and the front at +z to z up and the front at -y."""
 
 
-@dataclass(frozen=True)
-class RigidMethod:
-    """A method that predicts no joints."""
-
-    name: str = "none"
-    weights: str = ""
-    networks: str = "none"
-    config: Mapping[str, Any] = field(default_factory=dict)
-
-    def predict(self, shape: PreparedShape, meshes: _core.Meshes) -> ShapeEstimate:
-        still, bodies = JointEstimate(None, MotionType.NONE, 1.0), (Body(0, "base", shape.leaves),)
-        return ShapeEstimate(shape.id, shape.category, Mobility(bodies), ((still,),), (still,), self.name)
-
-
-def source_of(folder: Path) -> str:
-    """Source that a prediction states."""
-    return str(json.loads((folder / "joints.json").read_text(encoding="utf-8"))["shape"]["source"])
-
-
 def size_of_robot(urdf: Path) -> float:
     """Diagonal of the box around all links of a URDF at rest, in metres."""
     return kinmo.load(urdf).diagonal
-
-
-@pytest.fixture
-def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PredictShapes:
-    """Prediction of the folder `shapes` by the method without joints."""
-    monkeypatch.setattr(predict_shapes, "load_trained_or_shipped", lambda *_: RigidMethod())
-    return PredictShapes([tmp_path / "shapes"], tmp_path / "out", Workspace(tmp_path / "workspace"), "none", device="cpu")
 
 
 def test_names_too_long_for_a_folder_are_cut_and_stay_unique(stage: PredictShapes) -> None:
@@ -136,45 +109,6 @@ def test_an_unforeseen_error_stops_no_other_shape(stage: PredictShapes, monkeypa
     assert line.endswith(": no such axis") and outcome.failed == 1
 
 
-def test_the_prediction_for_another_shape_is_not_replaced(stage: PredictShapes) -> None:
-    for place in ("a", "b"):
-        write_partnet(stage.sources[0] / place / "cabinet")
-    assert replace(stage, sources=[stage.sources[0] / "a"]).run(Recorder()).failed == 0
-    outcome = replace(stage, sources=[stage.sources[0] / "b"]).run(Recorder())
-    (line,) = outcome.data["skipped"]
-    assert line == (
-        f"{stage.out / 'cabinet'}: exists, with the prediction for {stage.sources[0] / 'a' / 'cabinet'}: "
-        "name another folder by --out"
-    )
-    assert source_of(stage.out / "cabinet") == str(stage.sources[0] / "a" / "cabinet")
-
-
-@pytest.mark.parametrize("damaged", ["door.urdf", "joints.json", "meshes", "half of joints.json"])
-def test_an_incomplete_result_is_made_again(stage: PredictShapes, damaged: str) -> None:
-    write_partnet(stage.sources[0] / "door")
-    stage.run(Recorder())
-    folder = stage.out / "door"
-    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    if damaged == "meshes":
-        shutil.rmtree(folder / damaged)
-    elif damaged.startswith("half"):
-        (folder / "joints.json").write_bytes(before[folder / "joints.json"][:300])
-    else:
-        (folder / damaged).unlink()
-    outcome = stage.run(Recorder())
-    assert outcome.data["skipped"] == []
-    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
-
-
-def test_edits_of_a_user_stay(stage: PredictShapes) -> None:
-    write_partnet(stage.sources[0] / "door")
-    stage.run(Recorder())
-    urdf = stage.out / "door" / "door.urdf"
-    urdf.write_text(f"{urdf.read_text()}<!-- damping is to be measured -->", encoding="utf-8")
-    stage.run(Recorder())
-    assert urdf.read_text(encoding="utf-8").endswith("<!-- damping is to be measured -->")
-
-
 def test_an_annotated_shape_keeps_an_id_that_several_shapes_have(stage: PredictShapes) -> None:
     write_partnet_mobility(stage.sources[0] / "dataset" / "7")
     write_partnet(stage.sources[0] / "data_v0" / "7")
@@ -196,59 +130,6 @@ def test_a_folder_with_scans_alone_is_refused(stage: PredictShapes) -> None:
             InputError, match=r"at least one shape at or below it .*\. Found 2 scans: for scans, add --category"
         ):
             call()
-
-
-def test_edits_of_a_user_are_not_replaced_if_the_settings_change(stage: PredictShapes) -> None:
-    write_partnet(stage.sources[0] / "door")
-    stage.run(Recorder())
-    urdf = stage.out / "door" / "door.urdf"
-    before = urdf.read_text(encoding="utf-8")
-    urdf.write_text(f"{before}<!-- edited -->", encoding="utf-8")
-    assert stage.plan().steps == ()
-    other = replace(stage, facts=StatedFacts(metres_per_unit=2.0))
-    remedy = "was edited after kinmo wrote it: move it away, or name another folder by --out"
-    assert other.run(Recorder()).data["skipped"] == [f"{urdf}: {remedy}"]
-    assert urdf.read_text(encoding="utf-8") == f"{before}<!-- edited -->"
-    urdf.rename(urdf.with_name("mine.urdf"))
-    assert other.run(Recorder()).failed == 0
-    assert urdf.read_text(encoding="utf-8") != before
-
-
-def test_removed_files_of_other_formats_are_named(stage: PredictShapes) -> None:
-    write_partnet(stage.sources[0] / "door")
-    replace(stage, formats=("urdf", "mjcf", "glb")).run(Recorder())
-    fewer, again = Recorder(), Recorder()
-    replace(stage, formats=("urdf",)).run(fewer)
-    line = "removed of the earlier prediction: door.glb, door.xml (add --format urdf,mjcf,glb to write them again)"
-    assert [note for note in fewer.notes if note.startswith("removed")] == [line]
-    assert not (stage.out / "door" / "door.xml").exists()
-    replace(stage, formats=("urdf", "mjcf", "glb")).run(again)
-    assert not any(note.startswith("removed") for note in again.notes)
-    assert (stage.out / "door" / "door.xml").is_file()
-
-
-@pytest.mark.parametrize("damaged", [False, True])
-def test_files_of_a_user_stay_if_a_shape_is_predicted_again(stage: PredictShapes, damaged: bool) -> None:
-    write_partnet(stage.sources[0] / "door")
-    stage.run(Recorder())
-    folder = stage.out / "door"
-    mine = [folder / "notes.txt", folder / "photos" / "front.txt", folder / "meshes" / "mine.obj"]
-    for path in mine:
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(path.name, encoding="utf-8")
-    if damaged:
-        (folder / "joints.json").write_text("{", encoding="utf-8")
-    assert replace(stage, facts=StatedFacts(metres_per_unit=2.0)).run(Recorder()).failed == 0
-    assert [path.read_text(encoding="utf-8") for path in mine] == [path.name for path in mine]
-
-
-def test_a_result_without_its_cache_is_recognised_and_replaced(stage: PredictShapes) -> None:
-    write_partnet(stage.sources[0] / "door")
-    stage.run(Recorder())
-    (stage.out / ".kinmo.jsonl").unlink()
-    assert stage.plan().steps
-    assert stage.run(Recorder()).failed == 0
-    assert stage.plan().steps == ()
 
 
 def test_an_empty_folder_is_refused_in_a_dry_run_too(stage: PredictShapes) -> None:
@@ -352,15 +233,6 @@ def test_shapes_of_the_same_name_go_into_folders_named_by_their_paths(trained: T
     for call in (replace(stage, out=tmp_path / "shapes").plan, lambda: replace(stage, out=tmp_path / "shapes").run(Recorder())):
         with pytest.raises(InputError, match="--out: is the folder with the shapes"):
             call()
-
-
-def test_predict_replaces_no_folder_that_it_did_not_write(trained: Trained, tmp_path: Path) -> None:
-    shape = next((trained.shapes / "partnet").iterdir())
-    shutil.copytree(shape, tmp_path / shape.name)
-    before = contents(tmp_path)
-    outcome = PredictShapes([tmp_path / shape.name], tmp_path, trained.workspace, METHODS[0], device="cpu").run(Recorder())
-    assert outcome.failed == 1 and "kinmo predict did not write it" in outcome.data["skipped"][0]
-    assert contents(tmp_path) == before
 
 
 @dataclass(frozen=True)
