@@ -103,7 +103,7 @@ def furnish(draw: Draw, above: Node, carcass: Link, opening: Opening, fronts: Fr
         return []
     kind = draw.pick(
         ["door", "pair", "flap", "slide", "shutter", "fold", "hung", "open"],
-        [5, 3 if aspect < 1.6 else 0.5, 1.6 if aspect < 1.2 else 0.2, 1.1, 0.25, 0.4, 0.3, 1.5],
+        [5, 4 if aspect < 1.6 else 1.0, 1.6 if aspect < 1.2 else 0.2, 1.1, 0.25, 0.4, 0.3, 1.5],
     )
     if kind == "door" and aspect < 0.55 and draw.chance(0.8):
         kind = "flap"

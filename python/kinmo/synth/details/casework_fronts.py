@@ -79,7 +79,7 @@ class Fronts:
         gap = draw.pick([draw.between(0.02, 0.5) * unit, 0.0, -draw.between(0.1, 0.95) * unit, -unit], [4, 2, 2, 3])
         reveal = draw.pick([0.0, draw.between(0.01, 0.3)], [1, 4]) * unit
         look = draw.pick(["plain", "framed", "raised", "bowed", "slatted"], [6, 3, 2, 1, 1])
-        thickness, has_handles, length = draw.ratio(0.4, 3.0) * unit, draw.chance(0.75), draw.ratio(0.04, 0.5)
+        thickness, has_handles, length = draw.ratio(0.4, 3.0) * unit, draw.chance(0.65), draw.ratio(0.04, 0.5)
         grips, trim = (draw.identical(1)[0] if draw.chance(0.7) else None for _ in range(2))
         return Fronts(thickness, gap, reveal, look, has_handles, length, grips, trim)
 
