@@ -1,7 +1,8 @@
-"""The networks that come with kinmo, on a cabinet of boards with two doors and a drawer."""
+"""The networks that come with kinmo, on cabinets of boards with doors and drawers."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,6 +61,12 @@ def cabinet(order: list[str], names: dict[str, str] | None = None) -> Shape:
     return replace(shape_of_boxes([PARTS[part] for part in order], (), category="", names=called), mobility=None)
 
 
+def without_names(parts: Mapping[str, Box]) -> Shape:
+    """A shape whose parts are all called `Cube`."""
+    names = dict.fromkeys(range(1, len(parts) + 1), "Cube")
+    return replace(shape_of_boxes(list(parts.values()), (), category="", names=names), mobility=None)
+
+
 def moving(prediction: kinmo.Prediction, order: list[str]) -> set[Body]:
     """Joint kind and parts of every body that moves."""
     mobility = prediction.estimate.mobility
@@ -107,12 +114,19 @@ def test_a_turned_object_has_the_same_joints(predictor: kinmo.Predictor) -> None
 
 def test_screws_do_not_become_joints(predictor: kinmo.Predictor) -> None:
     screws = {f"screw {x} {y}": ((x, y, 0.25), (x + 0.006, y + 0.006, 0.253)) for x in (-0.39, 0.38) for y in (0.02, 0.7)}
-    order = [*PARTS, *screws]
-    boxes = [{**PARTS, **screws}[part] for part in order]
-    names = dict.fromkeys(range(1, len(order) + 1), "Cube")
-    shape = replace(shape_of_boxes(boxes, (), category="", names=names), mobility=None)
-    found = moving(predictor.predict(shape), order)
+    found = moving(predictor.predict(without_names({**PARTS, **screws})), [*PARTS, *screws])
     assert {(kind, parts.difference(screws)) for kind, parts in found} == EXPECTED
+
+
+def test_drawers_with_no_board_between_them_slide_forward(predictor: kinmo.Predictor) -> None:
+    boards = {name: box for name, box in CARCASS.items() if name != "shelf"}
+    drawers = [
+        {f"{part} {floor}": tuple((x, y + 0.4 * floor - 0.8, z) for x, y, z in box) for part, box in DRAWER.items()}
+        for floor in range(3)
+    ]
+    chest = {**boards, **drawers[0], **drawers[1], **drawers[2]}
+    found = moving(predictor.predict(without_names(chest)), list(chest))
+    assert found == {(JointKind.PRISMATIC, frozenset(drawer)) for drawer in drawers}
 
 
 def test_they_say_that_they_come_with_kinmo(predictor: kinmo.Predictor) -> None:
