@@ -96,6 +96,8 @@ def discover(
         endings = ", ".join(ending for reader in READERS.values() for ending in reader.endings)
         if not root.exists():
             raise InputError(root, "no such file or folder")
+        if root.suffix.lower() == ".ply":
+            raise InputError(root, "expected faces: a file of points alone is a scan, which is predicted with its category")
         raise InputError(root, f"expected a folder of shapes, or a shape as {endings}: convert it to one of these")
     seen = {os.path.realpath(path) for path in skip}
     home = os.path.realpath(root)

@@ -119,6 +119,8 @@ def test_the_prims_of_a_usd_stage_are_the_parts(up: str, vector: tuple[float, ..
     assert knobs == pytest.approx([8.0, 9.0], abs=1e-3)
     from pxr import Usd
 
+    (tmp_path / "metres.usda").write_text(USD.format(up=up).replace("upAxis", "metersPerUnit = 0.5\n    upAxis"))
+    assert kinmo.load(tmp_path / "metres.usda").metres_per_unit == 0.5
     (tmp_path / "notched.usda").write_text(USD.format(up=up).replace("(1, 1, 0)", "(0.2, 0.2, 0)"))
     (sheet,) = (part.mesh for part in kinmo.load(tmp_path / "notched.usda").parts if part.name == "sheet")
     assert sheet is not None and sheet.face_areas.sum() == pytest.approx(0.2)

@@ -57,6 +57,11 @@ def test_materials_divide_nothing_where_groups_do(tmp_path: Path) -> None:
     assert names(shape) == [("", "body", 1), ("", "door", 2)]
 
 
+@pytest.mark.parametrize("head", ["", "usemtl wood", "g", "g all", "o all", "g all\nusemtl wood", "o all\ng all\nusemtl wood"])
+def test_one_group_of_one_material_is_one_mesh_of_loose_pieces(head: str, tmp_path: Path) -> None:
+    assert len(kinmo.load(obj(tmp_path / "a.obj", head, "", "")).leaves) == 3
+
+
 def test_faces_above_the_first_group_have_no_name(tmp_path: Path) -> None:
     shape = kinmo.load(obj(tmp_path / "a.obj", "# header", "g door", "g"))
     assert names(shape) == [("", "", 2), ("", "door", 1)]

@@ -52,7 +52,7 @@ def read_dae_scene(path: Path) -> Scene:
     except Exception as error:  # pycollada raises many kinds of errors for broken files
         raise InputError(path, f"expected a readable DAE file ({type(error).__name__}: {error})") from None
     for problem in document.errors:
-        builder.ignore(f"{type(problem).__name__} ({clean_text(str(problem))})")
+        builder.ignore(clean_text(str(problem)))
     metres = 1.0 if unit is None or not 0.0 < float(unit) < 1e6 else float(unit)
     return builder.scene(DAE, "DAE", _UP.get(up, "y"), metres)
 

@@ -48,6 +48,8 @@ class GltfFile:
         self._lists: dict[str, list[JsonField]] = {}
         self._buffers: dict[int, bytes] = {}
         self._views: dict[int, BufferView] = {}
+        if isinstance(self.root["nodes"].value, dict):
+            raise InputError(path, _version_problem(1))
         for needed in self.root["extensionsRequired"].items():
             if not needed.text().startswith(_SUPPORTED_EXTENSIONS):
                 raise needed.fail(f"{needed.text()} is not supported: export the file without it")
@@ -131,6 +133,10 @@ class GltfFile:
         return data_of_uri(uri)
 
 
+def _version_problem(version: int) -> str:
+    return f"expected version 2 of glTF, got {version}: export it as glTF 2.0"
+
+
 def data_of_uri(uri: JsonField) -> bytes:
     """The bytes in a data URI."""
     head, comma, text = uri.whole_text().partition(",")
@@ -203,7 +209,7 @@ def _chunks(data: bytes, path: Path) -> Iterator[tuple[bytes, bytes]]:
         raise InputError(path, "expected a binary glTF file: export it again")
     _, version, length = _HEADER.unpack_from(data)
     if version != 2:
-        raise InputError(path, f"expected version 2 of glTF, got {version}: export it as glTF 2.0")
+        raise InputError(path, _version_problem(version))
     if length != len(data):
         raise InputError(path, f"expected {length} bytes, as its header says, got {len(data)}")
     begin = _HEADER.size

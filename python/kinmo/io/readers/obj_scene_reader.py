@@ -59,7 +59,7 @@ def read_obj_scene(path: Path) -> Scene:
     if len(np.unique(objects)) == len(np.unique(groups)) == 1:
         groups, group_names = _keys(divisions["usemtl"], places)
         if len(np.unique(groups)) == 1:
-            group_names = [""]
+            groups, group_names = np.zeros_like(groups), [""]
     if _LINES.search(text):
         builder.ignore("points and lines")
     _add_nodes(builder, mesh, objects, object_names, groups, group_names)

@@ -106,7 +106,7 @@ class SceneBuilder:
         if len(self._nodes) > MAX_NODES:
             raise InputError(self.path, f"more than {MAX_NODES} nodes")
         if self._depths[parent] >= MAX_DEPTH:
-            raise InputError(self.path, f"nested deeper than {MAX_DEPTH} levels")
+            raise InputError(self.path, f"nested deeper than {MAX_DEPTH} levels: export it with fewer")
         if mesh is not None:
             self._budget.spend(len(mesh.vertices) + mesh.faces.size)
             if len(mesh.faces) and int(mesh.faces.max()) >= len(mesh.vertices):

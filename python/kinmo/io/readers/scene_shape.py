@@ -22,7 +22,7 @@ from kinmo.io.readers.face_labels import read_labels
 from kinmo.io.readers.far_parts import far_parts
 from kinmo.io.readers.floor_plane import floor_planes
 from kinmo.io.readers.part_hierarchy import MAX_PARTS, has_surface
-from kinmo.io.readers.scene import Scene, SceneNode
+from kinmo.io.readers.scene import Scene, SceneNode, ignored
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.readers.upright_names import up_by_names
 
@@ -82,7 +82,8 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
     repairs += [f"{_title(nodes[index], index)} has no surface: skipped" for index in flat]
     meshes = {index: mesh for index, mesh in meshes.items() if index not in set(flat)}
     if not meshes:
-        raise InputError(scene.path, "no part has geometry")
+        others = ", ".join(ignored(scene.unread))
+        raise InputError(scene.path, "no part has geometry" + (f" ({others})" if others else ""))
     if facts.labels is None:
         for index in far_parts(meshes):
             repairs.append(f"{_title(nodes[index], index)} is far from everything else: dropped")

@@ -109,7 +109,12 @@ class _UsdScene:
             place = self.builder.add(name, parent, mesh, None if mesh is None else self._pose(prim))
             pending += [(child, place) for child in reversed(self._children(prim))]
         up = "z" if self.geom.GetStageUpAxis(self.stage) == self.geom.Tokens.z else "y"
-        return self.builder.scene(USD, "USD", "z" if up == "z" else "y", float(self.geom.GetStageMetersPerUnit(self.stage)))
+        return self.builder.scene(USD, "USD", "z" if up == "z" else "y", self._metres_per_unit())
+
+    def _metres_per_unit(self) -> float:
+        """Length of a unit. `GetStageMetersPerUnit` refuses numbers of single precision, which some tools write."""
+        stated = self.stage.GetPseudoRoot().GetMetadata("metersPerUnit")
+        return float(stated) if isinstance(stated, float | int) else float(self.geom.LinearUnits.centimeters)
 
     def _children(self, prim: Any) -> list[Any]:
         return list(prim.GetFilteredChildren(self.usd.TraverseInstanceProxies(self.usd.PrimDefaultPredicate)))
