@@ -98,7 +98,7 @@ class GltfScene:
         poses = [pose] if instances.is_absent else [pose @ one for one in self._instance_poses(instances)]
         found = []
         for one in poses:
-            self._budget.spend(len(surface.vertices))
+            self._budget.spend(len(surface.vertices) + surface.faces.size)
             found.append(placed(self._with_normals_in_budget(surface), one, node.where))
         return found
 

@@ -22,7 +22,7 @@ from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.scene import F64, MAX_NODES, Scene, SceneBuilder, placed
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
-from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, check_no_pointer, inside, named_by, read_beginning
+from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, check_no_pointer, inside, read_beginning
 
 USD = "usd"
 _ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
@@ -83,8 +83,9 @@ class _UsdScene:
                 file = layer.identifier.partition("[")[0].partition(":SDF_FORMAT_ARGS:")[0]
                 try:
                     inside(Path(file), path.parent)
-                except InputError as error:
-                    raise named_by(path, "layers", file, error) from None
+                except InputError:
+                    problem = f"{file}: leads out of the folder of the file: write one file, by `usdcat --flatten -o flat.usdc`"
+                    raise InputError(path, clean_text(problem), "layers") from None
         self.time = Usd.TimeCode.EarliestTime()
         self.poses = UsdGeom.XformCache(self.time)
         self.builder = SceneBuilder(path)
