@@ -65,6 +65,16 @@ def test_a_dae_file_has_its_own_hierarchy_axis_and_unit(tmp_path: Path) -> None:
             kinmo.load(tmp_path / "a.dae")
 
 
+def test_a_dae_file_without_its_materials_keeps_its_meshes(tmp_path: Path) -> None:
+    pytest.importorskip("collada")
+    bound = "<bind_material><technique_common><instance_material symbol='s' target='#wood'/></technique_common></bind_material>"
+    lost = '<library_materials><material id="oak"><instance_effect url="#no"/></material></library_materials>'
+    text = DAE.replace('url="#g"/>', f'url="#g">{bound}</instance_geometry>').replace("<library_vis", f"{lost}<library_vis")
+    (tmp_path / "a.dae").write_text(text)
+    shape = kinmo.load(tmp_path / "a.dae")
+    assert (names(shape), shape.repairs) == ([("chest", ""), ("chest", "lid")], ("materials ignored: 1",))
+
+
 USD = """#usda 1.0
 (
     metersPerUnit = 0.01

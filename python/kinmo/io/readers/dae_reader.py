@@ -6,6 +6,7 @@ trimesh loses the hierarchy and the names of nodes, and it ignores the up axis a
 from __future__ import annotations
 
 import io
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +23,11 @@ from kinmo.io.readers.scene import F64, Scene, SceneBuilder, placed
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
 from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, read_bytes
-from kinmo.io.readers.xml_files import check_plain_xml
+from kinmo.io.readers.xml_files import parse_xml
 
 DAE = "dae"
+_LOOKS = ("library_images", "library_effects", "library_materials", "bind_material")
+"""Elements that say how surfaces look."""
 _UP: dict[str, Axis] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 
 
@@ -37,14 +40,14 @@ def read_dae_scene(path: Path) -> Scene:
     """The default scene of a DAE file. Skins are shown in their bind pose."""
     data = read_bytes(path, path.parent, MAX_SCENE_BYTES)
     collada = optional_library("collada", "formats", path, "is DAE")
-    check_plain_xml(data, path)
+    shown, materials = _without_looks(parse_xml(data, path))
     builder = SceneBuilder(path)
     try:
-        document = collada.Collada(io.BytesIO(data), ignore=[collada.common.DaeError])
+        document = collada.Collada(io.BytesIO(shown), ignore=[collada.common.DaeError])
         if document.scene is None:
             raise InputError(path, "expected a visual scene")
         _add_nodes(builder, collada, document.scene.nodes)
-        for _ in document.materials:
+        for _ in range(materials):
             builder.ignore("materials")
         unit, up = document.assetInfo.unitmeter, document.assetInfo.upaxis
     except InputError:
@@ -55,6 +58,18 @@ def read_dae_scene(path: Path) -> Scene:
         builder.ignore(clean_text(str(problem)))
     metres = 1.0 if unit is None or not 0.0 < float(unit) < 1e6 else float(unit)
     return builder.scene(DAE, "DAE", _UP.get(up, "y"), metres)
+
+
+def _without_looks(root: ET.Element) -> tuple[bytes, int]:
+    """The document without looks, and its number of materials. pycollada drops meshes whose material or image is missing."""
+    materials = 0
+    for above in list(root.iter()):
+        for child in list(above):
+            name = child.tag.rpartition("}")[2]
+            if name in _LOOKS:
+                above.remove(child)
+                materials += len(child) if name == "library_materials" else 0
+    return ET.tostring(root), materials
 
 
 def _add_nodes(builder: SceneBuilder, collada: Any, roots: list[Any]) -> None:
