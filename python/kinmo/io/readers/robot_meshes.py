@@ -19,7 +19,7 @@ from kinmo.io.readers.off_mesh import read_off_mesh
 from kinmo.io.readers.ply_mesh import read_ply_mesh
 from kinmo.io.readers.scene import CornerBudget, Scene
 from kinmo.io.readers.stl_reader import read_stl_scene
-from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, inside, named_by, plain_path, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, inside, plain_path, read_bytes
 
 
 def refuse(problem: InputError) -> None:
@@ -127,7 +127,9 @@ class RobotMeshes:
             return inside(path, self.home)
         except InputError as error:
             if is_file(path):
-                raise named_by(self._path, "mesh", printable_path(path), error) from None
+                is_near = self._path.suffix.lower() == ".urdf" and self.home.parent in plain_path(path).parents
+                remedy = f": put an empty package.xml into {printable_path(self.home.parent)} to allow it" if is_near else ""
+                raise InputError(self._path, f"{printable_path(path)}: {error.problem}{remedy}", "mesh") from None
             problem = f"is missing, and leads out of the folder {self.home.name}: write its path relative to {self._path.name}"
             raise InputError(self._path, f"the mesh {printable_path(path)} {problem}") from None
 
