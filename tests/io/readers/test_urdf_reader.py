@@ -266,6 +266,13 @@ def test_a_visual_that_shows_nothing_is_noted(tmp_path, geometry, note):
     assert f"link b: {note}" in kinmo.load(path).repairs
 
 
+@pytest.mark.parametrize(("before", "after"), [("\n \n", ""), ("", "\n\0")])
+def test_empty_lines_and_zeros_around_the_text_are_skipped(tmp_path, before, after):
+    path = tmp_path / "a.urdf"
+    path.write_text(f"{before}<?xml version='1.0'?>\n<robot name='r'>{LINK.format('b', 1)}</robot>{after}")
+    assert len(kinmo.load(path).leaves) == 1
+
+
 def test_meshes_of_a_package_of_ros_are_found(tmp_path):
     package = write_cabinet(
         tmp_path / "checkout",

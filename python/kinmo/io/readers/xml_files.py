@@ -10,6 +10,9 @@ from kinmo.core.errors import InputError
 MAX_XML_BYTES = 8 << 20
 """Largest robot file. A tree of elements takes some forty times the bytes of its text."""
 
+_PADDING = b"\0\t\n\r "
+"""Bytes before and after the text that robot simulators tolerate."""
+
 
 def check_plain_xml(data: bytes, path: Path) -> None:
     """Raise InputError for XML with a document type or entities, which could expand to any size, and for UTF-16."""
@@ -24,6 +27,7 @@ def parse_xml(data: bytes, path: Path) -> ET.Element:
         data: content of the file.
         path: the file, for messages.
     """
+    data = data.strip(_PADDING)
     check_plain_xml(data, path)
     try:
         return ET.fromstring(data)
