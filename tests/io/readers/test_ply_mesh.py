@@ -51,6 +51,15 @@ def test_faces_of_any_number_of_corners_are_read_in_all_forms(form, newline, nam
     assert mesh.vertices.tolist() == [list(map(float, point)) for point in POINTS]
 
 
+def test_numbers_behind_the_last_property_of_a_line_are_left_out():
+    head, _, body = ply("ascii").partition(b"end_header\n")
+    surplus = b"\n".join(line + b" 9 1 1 1" for line in body.splitlines())
+    expected = read_ply_mesh(ply("ascii"), WHERE)
+    for text in (surplus, body + b"\n1 2 3\n"):
+        mesh = read_ply_mesh(head + b"end_header\n" + text, WHERE)
+        assert (mesh.faces.tolist(), mesh.vertices.tolist()) == (expected.faces.tolist(), expected.vertices.tolist())
+
+
 @pytest.mark.parametrize("encoding", ["ascii", "binary"])
 def test_files_of_trimesh_are_read(encoding):
     sphere = trimesh.creation.icosphere()

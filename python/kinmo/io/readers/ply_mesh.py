@@ -6,9 +6,11 @@ the notches of concave faces.
 
 from __future__ import annotations
 
+import io
 import re
 import struct
 import warnings
+from array import array
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -66,13 +68,11 @@ def read_ply_mesh(data: bytes, path: Path, ignore: Callable[[str], None] = lambd
         path: the file, for messages.
         ignore: receives what is not read.
     """
-    elements, rows = _parse(data, path)
+    elements, rows, text = _parse(data, path)
     vertices, corners, sizes = np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64)
     colors: NDArray[np.float64] | None = None
-    place = 0
     try:
-        for element in elements:
-            columns, place = _read_element(rows, place, element)
+        for element, columns in zip(elements, _tables(rows, elements, text), strict=True):
             if element.name == "vertex":
                 if not {"x", "y", "z"} <= columns.keys():
                     raise InputError(path, f"expected x, y and z, found {_listed(columns)}", "vertex")
@@ -119,8 +119,11 @@ def _colors(element: _Element, columns: dict[str, _Column]) -> NDArray[np.float6
     return np.clip(colors, 0.0, 1.0) if np.isfinite(colors).all() else None
 
 
-def _parse(data: bytes, path: Path) -> tuple[list[_Element], bytes]:
-    """The elements that the header announces, and their binary data. The numbers of a text become 64-bit floats."""
+def _parse(data: bytes, path: Path) -> tuple[list[_Element], bytes, bytes | None]:
+    """The elements that the header announces, their binary data, and the text below the header, None in a binary file.
+
+    The numbers of a text become 64-bit floats.
+    """
     end = _END.search(data)
     if not data.startswith(b"ply") or end is None:
         raise InputError(path, "expected a PLY file with a header")
@@ -144,13 +147,63 @@ def _parse(data: bytes, path: Path) -> tuple[list[_Element], bytes]:
         if not 0 <= element.count <= len(data) or not element.properties:
             raise InputError(path, f"expected a whole PLY file: it has no {element.count} rows", clean_text(element.name))
     if order:
-        return elements, data[end.end() :]
+        return elements, data[end.end() :], None
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # NumPy only warns of what is no number
         try:
-            return elements, np.fromstring(data[end.end() :].decode("ascii", "replace"), sep=" ").tobytes()
+            text = data[end.end() :]
+            return elements, np.fromstring(text.decode("ascii", "replace"), sep=" ").tobytes(), text
         except (ValueError, DeprecationWarning):
             raise InputError(path, "expected numbers below the header") from None
+
+
+def _tables(rows: bytes, elements: list[_Element], text: bytes | None) -> list[dict[str, _Column]]:
+    """The columns of each element. Where lines of a text have more numbers than the header says, those are left out.
+
+    Old versions of MeshLab write such lines.
+    """
+    problem: Exception | None = None
+    try:
+        tables, end = _read_elements(rows, elements)
+    except (ValueError, OverflowError, struct.error) as error:
+        tables, end, problem = [], 0, error
+    if text is not None and end < len(rows):
+        trimmed = _without_surplus(text, elements)
+        if trimmed is not None:
+            return _read_elements(trimmed, elements)[0]
+    if problem is not None:
+        raise problem
+    return tables
+
+
+def _without_surplus(text: bytes, elements: list[_Element]) -> bytes | None:
+    """The numbers of a text as 64-bit floats, one row a line, without those behind the last property.
+
+    None if a line has too few numbers, or there are too few lines.
+    """
+    numbers = array("d")
+    lines = (words for line in io.BytesIO(text) if (words := line.split()))
+    for element in elements:
+        for _ in range(element.count):
+            words = next(lines, [])
+            needed = 0
+            for each in element.properties:
+                if needed >= len(words):
+                    return None
+                needed += 1 if each.length is None else 1 + max(int(float(words[needed])), 0)
+            if needed > len(words):
+                return None
+            numbers.extend(map(float, words[:needed]))
+    return numbers.tobytes()
+
+
+def _read_elements(data: bytes, elements: list[_Element]) -> tuple[list[dict[str, _Column]], int]:
+    """The columns of each element, and where the last row ends."""
+    tables, place = [], 0
+    for element in elements:
+        columns, place = _read_element(data, place, element)
+        tables.append(columns)
+    return tables, place
 
 
 def _read_element(data: bytes, place: int, element: _Element) -> tuple[dict[str, _Column], int]:
