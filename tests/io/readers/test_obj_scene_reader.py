@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import numpy as np
 import pytest
 from datasets import box_obj
+from hypothesis import given
+from hypothesis import strategies as st
 from obj_files import obj
 
 import kinmo
@@ -60,6 +64,17 @@ def test_materials_divide_nothing_where_groups_do(tmp_path: Path) -> None:
 @pytest.mark.parametrize("head", ["", "usemtl wood", "g", "g all", "o all", "g all\nusemtl wood", "o all\ng all\nusemtl wood"])
 def test_one_group_of_one_material_is_one_mesh_of_loose_pieces(head: str, tmp_path: Path) -> None:
     assert len(kinmo.load(obj(tmp_path / "a.obj", head, "", "")).leaves) == 3
+
+
+LINES = st.sampled_from(["", "o", "o door", "o body", "g", "g door", "g body knob", "usemtl wood", "usemtl steel", "usemtl"])
+
+
+@given(st.lists(st.lists(LINES, max_size=3), min_size=2, max_size=6))
+def test_every_face_is_in_one_part(heads: list[list[str]]) -> None:
+    with TemporaryDirectory() as folder:
+        shape = kinmo.load(obj(Path(folder) / "a.obj", *("\n".join(head) for head in heads)))
+    corners = np.concatenate([mesh.vertices[mesh.faces].reshape(-1, 9) for mesh in shape.meshes()])
+    assert len(np.unique(corners, axis=0)) == len(corners) == len(heads)
 
 
 def test_faces_above_the_first_group_have_no_name(tmp_path: Path) -> None:
