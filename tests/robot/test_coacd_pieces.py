@@ -49,7 +49,7 @@ def test_a_surface_that_ends_the_process_has_no_pieces_and_stops_no_other(monkey
     script = tmp_path / "dies_on_seven_faces.py"
     script.write_text(
         "import os, sys\nimport numpy as np\n"
-        "for number in sys.argv[3:]:\n"
+        "for number in sys.argv[4:]:\n"
         "    name = os.path.join(sys.argv[1], number)\n"
         "    surface = np.load(name + '.npz')\n"
         "    if len(surface['faces']) == 7:\n"
@@ -66,6 +66,13 @@ def test_a_surface_that_ends_the_process_has_no_pieces_and_stops_no_other(monkey
 def test_too_much_processor_time_ends_the_process(monkeypatch) -> None:
     monkeypatch.setattr(coacd_pieces, "MAX_SECONDS", 0.01)
     assert divided([RING]) == [None]
+
+
+def test_surfaces_without_time_left_are_neither_divided_nor_remembered(monkeypatch, cache) -> None:
+    monkeypatch.setattr(coacd_pieces, "MAX_SECONDS_PER_PROCESS", 1e-3)
+    assert divided([RING]) == [None]
+    monkeypatch.setattr(coacd_pieces, "MAX_SECONDS_PER_PROCESS", 60.0)
+    assert divided([RING]) != [None]
 
 
 def test_no_surface_needs_no_process(monkeypatch) -> None:

@@ -28,6 +28,8 @@ Points = NDArray[np.float64]
 
 MAX_SECONDS = 3.0
 """Most processor time for one surface, in seconds."""
+MAX_SECONDS_PER_PROCESS = 6.0
+"""Most processor time for the surfaces of an object in each process, in seconds."""
 MAX_PROCESSES = 2
 PIECES_PER_PROCESS = 4
 """Surfaces that are worth a second process."""
@@ -63,16 +65,18 @@ def divided(surfaces: Sequence[Mesh]) -> list[list[Points] | None]:
         surfaces: Surfaces in any length unit. Each is divided at its own scale.
 
     Returns:
-        For each surface the corners [P, 3] of its pieces. None if CoACD failed or took more than `MAX_SECONDS`.
+        For each surface the corners [P, 3] of its pieces. None if CoACD failed or took more than `MAX_SECONDS`, and if there
+        was no time left for it. The smallest surfaces come first.
     """
     folder = cache_folder() / "coacd"
     keys = [_key(surface) for surface in surfaces]
     known = {key: pieces for key in dict.fromkeys(keys) if (pieces := _read(folder / f"{key}.npz")) is not None}
     missing = {key: surface for key, surface in zip(keys, surfaces, strict=True) if key not in known}
     for key, pieces in zip(missing, _run(list(missing.values())), strict=True):
-        known[key] = pieces
-        _remember(folder / f"{key}.npz", pieces)
-    return [known[key] or None for key in keys]
+        if pieces is not None:
+            known[key] = pieces
+            _remember(folder / f"{key}.npz", pieces)
+    return [known.get(key) or None for key in keys]
 
 
 def _key(surface: Mesh) -> str:
@@ -81,8 +85,8 @@ def _key(surface: Mesh) -> str:
     return blake2b(b"".join((settings, *content)), digest_size=16).hexdigest()
 
 
-def _run(surfaces: Sequence[Mesh]) -> list[list[Points]]:
-    """Pieces of surfaces. Empty where CoACD fails."""
+def _run(surfaces: Sequence[Mesh]) -> list[list[Points] | None]:
+    """Pieces of surfaces. Empty where CoACD fails, None where there was no time for it."""
     if not surfaces:
         return []
     with tempfile.TemporaryDirectory() as place:
@@ -90,21 +94,31 @@ def _run(surfaces: Sequence[Mesh]) -> list[list[Points]]:
         for number, surface in enumerate(surfaces):
             np.savez(folder / f"{number}.npz", vertices=surface.vertices, faces=surface.faces)
         processes = min(MAX_PROCESSES, os.cpu_count() or 1, 1 + len(surfaces) // PIECES_PER_PROCESS)
-        largest_first = sorted(range(len(surfaces)), key=lambda number: -len(surfaces[number].faces))
+        smallest_first = sorted(range(len(surfaces)), key=lambda number: len(surfaces[number].faces))
         with ThreadPoolExecutor(processes) as pool:
-            list(pool.map(lambda first: _run_all(folder, largest_first[first::processes]), range(processes)))
-        return [_read(folder / f"{number}.pieces.npz") or [] for number in range(len(surfaces))]
+            untried = pool.map(lambda first: _run_all(folder, smallest_first[first::processes]), range(processes))
+            late = {number for numbers in untried for number in numbers}
+        found = [_read(folder / f"{number}.pieces.npz") for number in range(len(surfaces))]
+        return [None if number in late else pieces or [] for number, pieces in enumerate(found)]
 
 
-def _run_all(folder: Path, numbers: Sequence[int]) -> None:
-    """Divide surfaces in one process, and in a new one after each surface that ends it."""
-    left = list(numbers)
-    while left:
-        command = [sys.executable, coacd_process.__file__, str(folder), str(MAX_SECONDS), *map(str, left)]
-        subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+def _run_all(folder: Path, numbers: Sequence[int]) -> list[int]:
+    """Divide surfaces in one process, and in a new one after each surface that ends it. Returns those without time left."""
+    left, seconds = list(numbers), MAX_SECONDS_PER_PROCESS
+    while left and seconds > 0.0:
+        limits = (str(MAX_SECONDS), str(seconds))
+        command = [sys.executable, coacd_process.__file__, str(folder), *limits, *map(str, left)]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = os.waitstatus_to_exitcode(status)
+        seconds -= usage.ru_utime + usage.ru_stime
         while left and (folder / f"{left[0]}.pieces.npz").exists():
             left.pop(0)
-        del left[:1]  # the one that ended the process
+        if process.returncode != 0:
+            del left[:1]  # the one that ended the process
+        elif left:
+            break
+    return left
 
 
 def _read(path: Path) -> list[Points] | None:

@@ -1,15 +1,16 @@
 """A process that divides surfaces into convex pieces by CoACD. `kinmo.robot.coacd_pieces` starts it.
 
-It runs by itself, without kinmo: CoACD crashes on some surfaces and takes minutes for others. The process ends when a surface
-takes more processor time than it may.
+It runs by itself, without kinmo: CoACD crashes on some surfaces and takes minutes for others. A signal ends the process when a
+surface takes more processor time than it may. It leaves out surfaces for which all of its time is spent.
 
 Usage:
-    python coacd_process.py FOLDER SECONDS NUMBER...
+    python coacd_process.py FOLDER SECONDS_EACH SECONDS_ALL NUMBER...
 """
 
 import os
 import signal
 import sys
+import time
 from pathlib import Path
 
 os.environ["OMP_NUM_THREADS"] = "1"  # more threads wait for each other most of the time
@@ -46,8 +47,10 @@ def divide(source: Path, target: Path) -> None:
 def main() -> None:
     """Divide some surfaces of a folder."""
     coacd.set_log_level("off")
-    folder, seconds = Path(sys.argv[1]), float(sys.argv[2])
-    for number in sys.argv[3:]:
+    folder, seconds, all_seconds = Path(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
+    for number in sys.argv[4:]:
+        if time.process_time() > all_seconds:
+            return
         signal.setitimer(signal.ITIMER_PROF, seconds)  # its signal ends the process, in the middle of CoACD too
         divide(folder / f"{number}.npz", folder / f"{number}.pieces.npz")
 
