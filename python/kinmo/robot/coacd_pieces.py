@@ -28,7 +28,7 @@ Points = NDArray[np.float64]
 
 MAX_SECONDS = 3.0
 """Most processor time for one surface, in seconds."""
-MAX_SECONDS_PER_PROCESS = 6.0
+MAX_SECONDS_PER_PROCESS = 4.0
 """Most processor time for the surfaces of an object in each process, in seconds."""
 MAX_PROCESSES = 2
 PIECES_PER_PROCESS = 4
