@@ -98,7 +98,8 @@ def discover(
             raise InputError(root, "no such file or folder")
         if root.suffix.lower() == ".ply":
             raise InputError(root, "expected faces: a file of points alone is a scan, which is predicted with its category")
-        raise InputError(root, f"expected a folder of shapes, or a shape as {endings}: convert it to one of these")
+        remedy = "convert it to one of these, with Blender for example"
+        raise InputError(root, f"expected a folder of shapes, or a shape as {endings}: {remedy}")
     seen = {os.path.realpath(path) for path in skip}
     home = os.path.realpath(root)
     pending = [(root, 0, True)]
