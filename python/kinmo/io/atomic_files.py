@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ _TEMPORARY = ".{name}.tmp~"
 """Name of the draft beside the result."""
 _REPLACED = ".{name}.old~"
 """Name of the replaced folder while the draft takes its place."""
+_SYNCED_AT_ONCE = 8
+"""Files of a folder that are flushed at once: disks write them together, several times as fast."""
 
 
 @contextmanager
@@ -125,10 +128,16 @@ def _remove(path: Path) -> None:
 
 def _sync(path: Path) -> None:
     """Flush a file, or all files of a folder, to the disk."""
-    for file in path.rglob("*") if path.is_dir() else [path]:
-        if file.is_file():
-            with file.open("rb+") as opened:
-                os.fsync(opened.fileno())
+    if not path.is_dir():
+        _sync_file(path)
+        return
+    with ThreadPoolExecutor(_SYNCED_AT_ONCE) as pool:
+        list(pool.map(_sync_file, (file for file in path.rglob("*") if file.is_file())))
+
+
+def _sync_file(path: Path) -> None:
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
 
 
 def _sync_folder(path: Path) -> None:
