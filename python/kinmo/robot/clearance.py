@@ -251,10 +251,11 @@ def _points_and_normals(shape: CollisionShape) -> tuple[F64, F64]:
     areas = np.linalg.norm(normals, axis=1)
     order = np.argsort(-areas, kind="stable")
     normals = normals[order] / np.maximum(areas[order, None], 1e-300)
-    found: list[Vector] = []
+    found, count = np.zeros((MAX_NORMALS, 3)), 0
     for normal in normals[areas[order] > 0.0]:
-        if all(abs(float(normal @ known)) < 0.9998 for known in found):
-            found.append(normal)
-            if len(found) == MAX_NORMALS:
+        if np.abs(found[:count] @ normal).max(initial=0.0) < 0.9998:
+            found[count] = normal
+            count += 1
+            if count == MAX_NORMALS:
                 break
-    return mesh.vertices, np.array(found).reshape(-1, 3)
+    return mesh.vertices, found[:count]
