@@ -59,7 +59,8 @@ def test_a_dae_file_has_its_own_hierarchy_axis_and_unit(tmp_path: Path) -> None:
     notched = DAE.replace("1 1 0 0 1 0</float", "0.2 0.2 0 0 1 0</float")
     (tmp_path / "a.dae").write_text(notched)
     assert next(kinmo.load(tmp_path / "a.dae").meshes()).face_areas.sum() == pytest.approx(0.2)
-    for broken in (DAE[:900], DAE.replace("0 1 2 3</p>", "0 1 2 9</p>"), f'<!DOCTYPE a [<!ENTITY b "c">]>{DAE[21:]}'):
+    deep = DAE.replace('<node id="n4" name="lamp"/>', "<node>" * 5000 + "</node>" * 5000)
+    for broken in (DAE[:900], DAE.replace("0 1 2 3</p>", "0 1 2 9</p>"), f'<!DOCTYPE a [<!ENTITY b "c">]>{DAE[21:]}', deep):
         (tmp_path / "a.dae").write_text(broken)
         with pytest.raises(kinmo.InputError, match=r"a\.dae"):
             kinmo.load(tmp_path / "a.dae")

@@ -40,9 +40,9 @@ def read_dae_scene(path: Path) -> Scene:
     """The default scene of a DAE file. Skins are shown in their bind pose."""
     data = read_bytes(path, path.parent, MAX_SCENE_BYTES)
     collada = optional_library("collada", "formats", path, "is DAE")
-    shown, materials = _without_looks(parse_xml(data, path))
     builder = SceneBuilder(path)
     try:
+        shown, materials = _without_looks(parse_xml(data, path))
         document = collada.Collada(io.BytesIO(shown), ignore=[collada.common.DaeError])
         if document.scene is None:
             raise InputError(path, "expected a visual scene")
@@ -52,7 +52,7 @@ def read_dae_scene(path: Path) -> Scene:
         unit, up = document.assetInfo.unitmeter, document.assetInfo.upaxis
     except InputError:
         raise
-    except Exception as error:  # pycollada raises many kinds of errors for broken files
+    except Exception as error:  # pycollada raises many kinds of errors for broken files, and ElementTree one for deep ones
         raise InputError(path, f"expected a readable DAE file ({type(error).__name__}: {error})") from None
     for problem in document.errors:
         builder.ignore(clean_text(str(problem)))
