@@ -14,7 +14,7 @@ import kinmo
 
 parser = argparse.ArgumentParser(description="Find the parts and joints of an object in a scan.")
 parser.add_argument("scan", nargs="?", default="demo/scan.npz", help=".npz file with the points")
-parser.add_argument("--category", default="dishwasher", help="category of the object")
+parser.add_argument("--category", default="laptop", help="category of the object")
 parser.add_argument("--workspace", default="demo/workspace", help="workspace with trained networks")
 options = parser.parse_args()
 

@@ -18,8 +18,9 @@ from kinmo.core.typed_tables import Within
 
 HEAD = """# Configuration
 
-`--config` takes `small` (two CPU cores, the default), `paper` (the paper's sizes, for a GPU), or the path of a TOML file.
-A file that begins with `extends = "small"` only says what differs:
+`--config` takes `small` (two CPU cores, the default), `paper` (the paper's sizes, for a GPU), `shipped` (as the
+networks that come with kinmo were trained), or the path of a TOML file. A file that begins with
+`extends = "small"` only says what differs:
 
 ```toml
 extends = "small"
@@ -43,28 +44,32 @@ def reference_page() -> str:
     return "\n".join([HEAD, *_sections(Config, "", configs)])
 
 
-def _sections(kind: type, path: str, configs: dict[str, Any]) -> Iterator[str]:
-    """One table for the fields of a section, followed by those of its subsections."""
+def _sections(kind: type, path: str, configs: dict[str, Any], description: str = "") -> Iterator[str]:
+    """One table for the fields of a section, followed by those of its subsections.
+
+    A subsection has the description of its class, the second one of a class that of its field.
+    """
     texts, hints = field_descriptions(kind), get_type_hints(kind, include_extras=True)
     rows = []
     subsections = []
     for each in fields(kind):
         hint = hints[each.name]
         if is_dataclass(hint) and isinstance(hint, type):
-            subsections.append((each.name, hint))
+            is_second = any(hint is other for _, other, _ in subsections)
+            subsections.append((each.name, hint, texts[each.name] if is_second else inspect.cleandoc(hint.__doc__ or "")))
             continue
         values = [_shown(getattr(config, each.name)) for config in configs.values()]
         rows.append(f"| `{each.name}` | {_type_name(hint)} | {' | '.join(values)} | {texts[each.name]} |")
     if path:
-        yield f"## [{path}]\n\n{inspect.cleandoc(kind.__doc__ or '')}\n"
+        yield f"## [{path}]\n\n{description}\n"
         if rows:
             yield f"| key | type | {' | '.join(configs)} | meaning |"
             yield "|" + "---|" * (3 + len(configs))
             yield from rows
             yield ""
-    for name, hint in subsections:
+    for name, hint, text in subsections:
         inner = {known: getattr(config, name) for known, config in configs.items()}
-        yield from _sections(hint, f"{path}.{name}" if path else name, inner)
+        yield from _sections(hint, f"{path}.{name}" if path else name, inner, text)
 
 
 def field_descriptions(kind: type) -> dict[str, str]:

@@ -18,20 +18,23 @@ from kinmo.cli.options import CommonOptions
 
 HELP = """Joints for 3D objects.
 
-kinmo learns how parts move from annotated shapes (PartNet-Mobility), labels shapes that only have a part hierarchy (PartNet),
-predicts the joints of your own segmented shapes, and finds parts and joints in depth scans. Everything it makes goes into one
-workspace. Every command skips finished work and continues interrupted work.
+kinmo predicts the joints of 3D objects, with the networks that come with it or with your own. It learns how parts move from
+annotated shapes (PartNet-Mobility), labels shapes that only have a part hierarchy (PartNet), and finds parts and joints in
+depth scans. What it learns goes into one workspace. Every command skips finished work and continues interrupted work.
 
 Start with:
+
+    kinmo predict cabinet.glb -o out/  joints and URDFs for your own shapes
+    kinmo view out/cabinet             look at one in a browser
+    kinmo export out/                  write it again with your corrections
+    kinmo check out/                   tests in simulators
+
+Train your own networks:
 
     kinmo synth partnet/               procedural shapes, if you have none
     kinmo prepare partnet/             check and convert every shape
     kinmo train all                    train all networks
     kinmo eval                         the paper's tables
-    kinmo predict my_shapes/ -o out/   joints and URDFs for your own shapes
-    kinmo view out/cabinet             look at one in a browser
-    kinmo export out/                  the same with your corrections
-    kinmo check out/                   tests in simulators
 """
 
 

@@ -18,7 +18,9 @@ MethodName = Literal["kinmo", "paper"]
 ProtocolName = Literal["kinmo", "ancsh"]
 """Protocols of `kinmo.pipeline.scans.scan_scores`."""
 
-Config = Annotated[str, Option("--config", "-c", help="small (a CPU), paper (a GPU), or a TOML file.")]
+Config = Annotated[
+    str, Option("--config", "-c", help="small (a CPU), paper (a GPU), shipped (as kinmo's own networks), or a TOML file.")
+]
 Category = Annotated[str | None, Option(help="Only shapes of this category, in any spelling.", show_default=False)]
 Details = Annotated[bool, Option("--details", help="Print all figures, with intervals and notes.")]
 Start = Annotated[

@@ -22,9 +22,9 @@ def prepare(
 ) -> None:
     """Find, check and convert every shape below a folder.
 
-    kinmo recognises PartNet-Mobility, PartNet, DSG-Net and binary glTF (.glb) by their contents. Unpack them anywhere below one
-    folder. Small faults are repaired; unusable shapes are skipped. The table at the end counts both, and prepared/report.json
-    and --json list every shape. Unchanged shapes are not prepared again.
+    kinmo recognises PartNet-Mobility, PartNet and DSG-Net by their contents, and reads 3D files and robots as kinmo predict
+    does. Unpack them anywhere below one folder. Small faults are repaired; unusable shapes are skipped. The table at the end
+    counts both, and prepared/report.json and --json list every shape. Unchanged shapes are not prepared again.
 
     For example:
 
