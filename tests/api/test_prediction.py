@@ -178,6 +178,8 @@ def test_wrong_options_of_an_export_are_named(
 def test_the_model_is_named_after_the_folder_or_as_asked(prediction: kinmo.Prediction, tmp_path: Path) -> None:
     assert prediction.export(tmp_path / "cabinet")["urdf"].name == "cabinet.urdf"
     assert prediction.export(tmp_path / "other", name="model")["urdf"].name == "model.urdf"
+    with pytest.raises(kinmo.InputError, match=r"^name: expected a file name without folders, got \.\./model"):
+        prediction.export(tmp_path / "third", name="../model")
 
 
 def test_the_current_folder_cannot_be_replaced(

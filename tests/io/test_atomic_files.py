@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from kinmo.io.atomic_files import (
     append_line,
     check_can_be_written,
     remove_leftovers,
+    restore_replaced,
     write_atomically,
     write_bytes_atomically,
     write_folder_atomically,
@@ -75,6 +77,50 @@ def test_drafts_of_killed_runs_are_removed(tmp_path: Path) -> None:
     (tmp_path / ".g.tmp~" / "h").write_text("")
     remove_leftovers(tmp_path)
     assert names_in(tmp_path) == ["f"]
+
+
+def test_an_interrupt_while_a_folder_is_replaced_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    result = tmp_path / "result"
+    result.mkdir()
+    (result / "overrides.toml").write_text("mine")
+
+    def interrupted(self: Path, target: Path) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", interrupted)
+        with pytest.raises(KeyboardInterrupt), write_folder_atomically(result):
+            pass
+    assert names_in(tmp_path) == ["result"] and names_in(result) == ["overrides.toml"]
+
+
+@pytest.mark.parametrize("remedy", [restore_replaced, remove_leftovers])
+def test_a_folder_that_a_killed_run_was_replacing_comes_back(tmp_path: Path, remedy: Callable[[Path], None]) -> None:
+    for folder in (".result.old~", ".other.old~", "other"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "file").write_text(folder)
+    remedy(tmp_path)
+    assert (tmp_path / "result" / "file").read_text() == ".result.old~"
+    assert (tmp_path / "other" / "file").read_text() == "other"
+    with write_folder_atomically(tmp_path / "other") as draft:
+        (draft / "new").touch()
+    assert names_in(tmp_path / "other") == ["new"]
+
+
+def test_links_and_read_only_files_in_a_folder_are_no_obstacle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "elsewhere").write_text("")
+    modes = {}
+
+    def flushed(path: Path, mode: int) -> None:
+        modes[path.name] = mode
+
+    monkeypatch.setattr("kinmo.io.atomic_files._flush", flushed)
+    with write_folder_atomically(tmp_path / "result") as draft:  # root may write read-only files: look at the modes instead
+        (draft / "read_only").touch(0o444)
+        (draft / "link").symlink_to(tmp_path / "elsewhere")
+        (draft / "broken").symlink_to(tmp_path / "nowhere")
+    assert modes == {"read_only": os.O_RDONLY, tmp_path.name: os.O_RDONLY}
+    assert sorted(names_in(tmp_path / "result")) == ["broken", "link", "read_only"]
 
 
 def test_a_file_with_the_right_contents_is_not_touched(tmp_path: Path) -> None:

@@ -98,6 +98,7 @@ def test_a_changed_or_missing_source_is_one_line_with_the_remedy(tmp_path: Path)
     ("field", "value", "message"),
     [
         (("export", "metres_per_unit"), 0, r"export\.metres_per_unit: expected a positive number"),
+        (("export", "name"), "../../cabinet", r"export\.name: expected a file name without folders"),
         (("shape", "layout"), "lego", r"shape\.layout: expected one of "),
         (("shape", "up"), [0, 1], r"shape\.up: expected 3 numbers"),
         (("shape", "labels"), 3, r"shape\.labels: expected a text"),

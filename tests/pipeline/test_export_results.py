@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -187,6 +188,14 @@ def test_the_files_of_a_result_stand_for_its_folder(tmp_path: Path) -> None:
     folder = result_in(tmp_path)
     for name in ("joints.json", "overrides.toml"):
         assert ExportResults(folder / name).run(Recorder()).path == folder
+
+
+def test_two_results_never_have_one_target(tmp_path: Path) -> None:
+    for place in ("a/b", "a__b"):
+        shutil.copytree(result_in(tmp_path), tmp_path / "results" / place)
+    with pytest.raises(InputError, match=r"--out: .*a/b and .*a__b would both be .*a__b: export one of them by itself"):
+        ExportResults(tmp_path / "results", out=tmp_path / "exported").run(Recorder())
+    assert not list((tmp_path / "exported").glob("[!.]*"))
 
 
 def test_results_are_found_in_the_order_of_their_names(results: Path) -> None:

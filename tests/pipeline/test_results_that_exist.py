@@ -28,6 +28,24 @@ def test_the_prediction_for_another_shape_is_not_replaced(stage: PredictShapes) 
     assert source_of(stage.out / "cabinet") == str(stage.sources[0] / "a" / "cabinet")
 
 
+def test_the_same_shape_by_another_path_is_up_to_date(stage: PredictShapes, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_partnet(stage.sources[0] / "door")
+    (stage.sources[0] / "deep").mkdir()
+    stage.run(Recorder())
+    monkeypatch.chdir(stage.sources[0] / "deep")
+    assert replace(stage, sources=[Path("../door")]).plan().steps == ()
+
+
+def test_a_result_that_a_killed_run_was_replacing_keeps_its_files(stage: PredictShapes) -> None:
+    write_partnet(stage.sources[0] / "door")
+    stage.run(Recorder())
+    (stage.out / "door" / "notes.txt").write_text("mine")
+    (stage.out / "door").rename(stage.out / ".door.old~")
+    assert stage.run(Recorder()).failed == 0
+    assert (stage.out / "door" / "notes.txt").read_text() == "mine"
+    assert not list(stage.out.glob(".door*~"))
+
+
 @pytest.mark.parametrize("damaged", ["door.urdf", "joints.json", "meshes", "half of joints.json"])
 def test_an_incomplete_result_is_made_again(stage: PredictShapes, damaged: str) -> None:
     write_partnet(stage.sources[0] / "door")

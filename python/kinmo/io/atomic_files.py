@@ -26,8 +26,9 @@ _SYNCED_AT_ONCE = 8
 def write_atomically(path: Path) -> Iterator[Path]:
     """Write a file or a folder to a draft, which replaces `path` when the block ends without an error.
 
-    If the block fails or the process is killed, `path` is unchanged. A folder may be absent while it is being replaced. The
-    draft has a fixed name beside `path`: the next run removes what a killed run left. Parent folders are created.
+    If the block fails, `path` is unchanged. A folder may be absent while it is being replaced. The draft has a fixed name
+    beside `path`: the next run removes what a killed run left, and brings back a folder that was absent then
+    (`restore_replaced`). Parent folders are created.
 
     Yields the path of the draft. Raises FileNotFoundError if the block wrote nothing. Other OSErrors name `path`.
     """
@@ -36,6 +37,7 @@ def write_atomically(path: Path) -> Iterator[Path]:
     _check_removable(path)
     temporary = path.parent / _TEMPORARY.format(name=path.name)
     replaced = path.parent / _REPLACED.format(name=path.name)
+    _restore(replaced)
     _remove(temporary)
     try:
         yield temporary
@@ -52,6 +54,7 @@ def write_atomically(path: Path) -> Iterator[Path]:
             error.filename = str(path)
         raise
     finally:
+        _restore(replaced)
         _remove(temporary)
         _remove(replaced)
 
@@ -106,9 +109,25 @@ def check_can_be_written(folder: Path) -> None:
 
 def remove_leftovers(folder: Path) -> None:
     """Remove the drafts that killed runs left in `folder` and below. The caller must hold the lock of the workspace."""
-    for pattern in (_TEMPORARY, _REPLACED):
-        for path in Path(folder).rglob(pattern.format(name="*")):
-            _remove(path)
+    for path in Path(folder).rglob(_REPLACED.format(name="*")):
+        _restore(path)
+        _remove(path)
+    for path in Path(folder).rglob(_TEMPORARY.format(name="*")):
+        _remove(path)
+
+
+def restore_replaced(folder: Path) -> None:
+    """Bring back the folders in `folder` that killed runs were replacing. The caller must hold the lock of `folder`."""
+    for path in Path(folder).glob(_REPLACED.format(name="*")):
+        _restore(path)
+
+
+def _restore(replaced: Path) -> None:
+    """Give a replaced folder its name again, unless something has taken its place."""
+    start, end = _REPLACED.split("{name}")
+    path = replaced.with_name(replaced.name.removeprefix(start).removesuffix(end))
+    if os.path.lexists(replaced) and not os.path.lexists(path):
+        replaced.rename(path)
 
 
 def _check_removable(path: Path) -> None:
@@ -132,18 +151,23 @@ def _sync(path: Path) -> None:
         _sync_file(path)
         return
     with ThreadPoolExecutor(_SYNCED_AT_ONCE) as pool:
-        list(pool.map(_sync_file, (file for file in path.rglob("*") if file.is_file())))
+        list(pool.map(_sync_file, (file for file in path.rglob("*") if file.is_file() and not file.is_symlink())))
 
 
 def _sync_file(path: Path) -> None:
-    with path.open("rb+") as file:
-        os.fsync(file.fileno())
+    if os.name == "posix":
+        _flush(path, os.O_RDONLY)  # kept files of the user may be read-only
+    else:
+        _flush(path, os.O_RDWR)
 
 
 def _sync_folder(path: Path) -> None:
-    if os.name != "posix":
-        return
-    handle = os.open(path, os.O_RDONLY)
+    if os.name == "posix":
+        _flush(path, os.O_RDONLY)
+
+
+def _flush(path: Path, mode: int) -> None:
+    handle = os.open(path, mode)
     try:
         os.fsync(handle)
     finally:

@@ -23,6 +23,7 @@ from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.readers.stated_facts import StatedFacts
 from kinmo.io.writers import ExportOptions, check_formats, write_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME
+from kinmo.io.writers.writer import is_file_name
 from kinmo.robot.collision_geometry import COLLISION_MODES, DEFAULT_MODE, CollisionMode
 
 PREDICT_AGAIN = "run kinmo predict again, which keeps overrides.toml"
@@ -91,6 +92,8 @@ def _options(folder: Path, document: JsonField) -> ExportOptions:
     scale = export["metres_per_unit"].number()
     if scale <= 0.0:
         raise export["metres_per_unit"].fail("expected a positive number")
+    if not is_file_name(export["name"].text()):
+        raise export["name"].fail("expected a file name without folders")
     name, formats = export["name"].text(), tuple(item.text() for item in export["formats"].items())
     package = "" if export["package"].is_absent else export["package"].text()
     return ExportOptions(name, scale, formats=formats, collision=_collision(export["collision"]), package=package)

@@ -17,6 +17,7 @@ from kinmo.dataset.cache import FILE as CACHE_FILE
 from kinmo.dataset.cache import Cache, cache_key
 from kinmo.dataset.jobs import Failure, runner_for
 from kinmo.dataset.stage import Observer, Outcome, Plan
+from kinmo.io.atomic_files import restore_replaced
 from kinmo.io.folder_lock import locked
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.writers import check_formats
@@ -78,6 +79,7 @@ class ExportResults:
         with ExitStack() as locks:
             for folder in self._locked_folders():
                 locks.enter_context(locked(folder))
+                restore_replaced(folder)
             caches = _Caches()
             jobs = self._jobs(caches)
             results = self._export(jobs, caches, observer)
@@ -168,6 +170,10 @@ class ExportResults:
             real = target.resolve()
             replaced = files_of(caches[real.parent], real.name)
             jobs.append(ExportJob(folder, target, self.formats, self.source, replaced, self.collision, self.package))
+        by_target: dict[Path, Path] = {}
+        for job in jobs:
+            if (other := by_target.setdefault(job.target, job.folder)) != job.folder:
+                raise InputError("--out", f"{other} and {job.folder} would both be {job.target}: export one of them by itself")
         return jobs
 
     def _name(self, folder: Path) -> str:

@@ -24,10 +24,12 @@ from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
 from kinmo.features.prepared_shape import leaf_meshes
 from kinmo.features.shape_preparation import prepare_shape
+from kinmo.io.atomic_files import restore_replaced
 from kinmo.io.discover import ShapeSource
 from kinmo.io.folder_lock import locked
 from kinmo.io.readers.overrides_reader import OVERRIDES_FILE
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
+from kinmo.io.readers.untrusted_files import plain_path
 from kinmo.io.result_folder import files_below, write_result
 from kinmo.io.source_files import fingerprint
 from kinmo.io.writers import ExportOptions, check_formats
@@ -86,6 +88,7 @@ class PredictShapes:
             near = did_you_mean(self.facts.category, KNOWN_CATEGORIES, MISSPELLED)
             observer.note(f"--category {clean_text(self.facts.category)} is new to kinmo{near}")
         with locked(self.out):
+            restore_replaced(self.out)
             problems = self._predict(targets, writer, observer)
             uncorrected = apply_overrides([folder for _, folder in targets if folder not in problems], observer)
         documents: list[dict[str, Any]] = []
@@ -225,7 +228,7 @@ class PredictionWriter:
 
 
 def _source(found: ShapeSource) -> str:
-    return printable_path(found.path.absolute())
+    return printable_path(plain_path(found.path))
 
 
 def _source_in(cache: Cache, folder: Path) -> str | None:

@@ -13,7 +13,7 @@ from kinmo.core.wording import clean_text, counted, printable_path
 from kinmo.io.discover import ShapeSource, discover
 from kinmo.io.readers import PARTNET_MOBILITY, READERS
 from kinmo.io.readers.ply_reader import PLY
-from kinmo.io.readers.untrusted_files import PEEK_BYTES, check_no_pointer, read_beginning
+from kinmo.io.readers.untrusted_files import PEEK_BYTES, check_no_pointer, plain_path, read_beginning
 from kinmo.pipeline.export_results import find_results
 from kinmo.scans.files.scan_formats import SCAN_SUFFIXES
 
@@ -39,7 +39,7 @@ def prediction_targets(sources: Sequence[Path], out: Path) -> tuple[list[tuple[S
     places: list[Path] = []
     for source in sources:
         try:
-            places.append(_absolute(source if source.is_dir() else source.parent))
+            places.append(plain_path(source if source.is_dir() else source.parent))
             shapes, lines = _search(source, out)
         except (InputError, PermissionError) as error:
             problem = InputError(source, f"cannot be read ({error.strerror})") if isinstance(error, OSError) else error
@@ -48,7 +48,7 @@ def prediction_targets(sources: Sequence[Path], out: Path) -> tuple[list[tuple[S
             shapes, lines = [], [str(problem)]
         problems += lines
         for shape in shapes:
-            found.setdefault(_absolute(shape.path), shape)
+            found.setdefault(plain_path(shape.path), shape)
     above = os.path.commonpath(places) if places else ""
     names = _folder_names(list(found.values()), list(found), Path(above))
     return [(shape, out / name) for shape, name in zip(found.values(), names, strict=True)], problems
@@ -96,10 +96,6 @@ def _folder_names(shapes: Sequence[ShapeSource], places: Sequence[Path], above: 
     if len(set(names)) < len(names):  # a folder may have the name that a path becomes here
         names = [f"{number}-{name}" for number, name in enumerate(names)]
     return names
-
-
-def _absolute(path: Path) -> Path:
-    return Path(os.path.normpath(path.absolute()))
 
 
 def _path_name(path: Path, above: Path, with_ending: bool) -> str:

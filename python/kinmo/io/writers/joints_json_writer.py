@@ -19,6 +19,7 @@ from kinmo.core.shape_digest import shape_digest
 from kinmo.core.shape_estimate import JointEstimate, ShapeEstimate
 from kinmo.core.wording import printable_path
 from kinmo.io.atomic_files import write_json_atomically
+from kinmo.io.readers.untrusted_files import plain_path
 from kinmo.io.writers.writer import ExportedObject, ExportOptions
 
 FILE_NAME = "joints.json"
@@ -50,8 +51,8 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOpti
             "id": shape.id,
             "category": prediction.category,
             "layout": shape.layout,
-            "source": printable_path(shape.source.absolute()),
-            "labels": None if shape.labels is None else printable_path(shape.labels.absolute()),
+            "source": printable_path(plain_path(shape.source)),
+            "labels": None if shape.labels is None else printable_path(plain_path(shape.labels)),
             "up": [float(value) for value in shape.up],
             "front": None if shape.front is None else [float(value) for value in shape.front],
             "metres_per_unit": float(shape.metres_per_unit),

@@ -8,13 +8,20 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
+from kinmo.core.errors import InputError
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
+from kinmo.core.wording import clean_text
 from kinmo.robot.collision_geometry import CollisionMode
 from kinmo.robot.physics import Physics
 from kinmo.robot.robot import Robot
 from kinmo.robot.robot_builder import build_robot
+
+
+def is_file_name(name: str) -> bool:
+    """True for a name of one file or folder, which leads nowhere else."""
+    return name not in ("", ".", "..") and not any(c in name for c in "/\\\0")
 
 
 @dataclass(frozen=True)
@@ -40,6 +47,10 @@ class ExportOptions:
     collision: CollisionMode = "convex"
     physics: Physics = field(default_factory=Physics)
     package: str = ""
+
+    def __post_init__(self) -> None:
+        if not is_file_name(self.name):
+            raise InputError("name", f"expected a file name without folders, got {clean_text(self.name) or 'nothing'}")
 
 
 @dataclass(frozen=True, eq=False)
