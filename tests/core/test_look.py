@@ -102,3 +102,16 @@ def test_some_faces_keep_their_own_materials(faces: np.ndarray) -> None:
     mesh = random_mesh(3)
     chosen = faces if faces.dtype != bool else np.flatnonzero(faces)
     assert materials_of(mesh.part(faces)) == [materials_of(mesh)[i] for i in chosen]
+
+
+def test_some_faces_have_no_materials_of_others() -> None:
+    look = Look((WOOD, STEEL), np.array([1, NO_MATERIAL, 1, 0], np.int32))
+    for chosen, materials, numbers in (
+        ([0, 1, 2], (STEEL,), [0, NO_MATERIAL, 0]),
+        ([2, 0], (STEEL,), [0, 0]),
+        ([1], (), [NO_MATERIAL]),
+        ([0, 3], (WOOD, STEEL), [1, 0]),
+        ([], (), []),
+    ):
+        found = look.of_faces(np.array(chosen, int))
+        assert (found.materials, found.material.tolist(), found.material.dtype) == (materials, numbers, np.int32)

@@ -41,6 +41,23 @@ def test_closed_parts_agree_with_trimesh(seed: int) -> None:
     assert found.inertia == pytest.approx(solid.moment_inertia, abs=1e-8)
 
 
+@pytest.mark.parametrize("offset", [(5e5, 4.6e6, 100.0), (1e8, 0.0, -1e8)], ids=["UTM", "farther"])
+def test_parts_far_from_the_origin_have_the_inertia_of_near_ones(offset: tuple[float, float, float]) -> None:
+    near = mesh_of(trimesh.creation.annulus(0.05, 0.15, 0.1))
+    far = Mesh(near.vertices + offset, near.faces)
+    found, expected = inertial_of([far]), inertial_of([near])
+    assert is_solid(far)
+    assert found.mass == pytest.approx(expected.mass, rel=1e-6)
+    assert found.center == pytest.approx(expected.center + offset, abs=1e-6)
+    assert found.inertia == pytest.approx(expected.inertia, rel=1e-6, abs=1e-9)
+
+
+def test_vertices_without_a_face_do_not_change_the_inertia() -> None:
+    near = mesh_of(trimesh.creation.annulus(0.05, 0.15, 0.1))
+    stray = Mesh(np.concatenate([[[-1e7, 0.0, 0.0]], near.vertices]), near.faces + np.uint32(1))
+    assert inertial_of([stray]).inertia == pytest.approx(inertial_of([near]).inertia, abs=1e-9)
+
+
 @given(st.integers(0, 1000))
 def test_open_parts_weigh_as_much_as_their_box(seed: int) -> None:
     solid = placed(trimesh.creation.box((0.2, 0.5, 1.0)), seed)

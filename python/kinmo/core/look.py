@@ -84,10 +84,14 @@ class Look:
     normals: F32 | None = None
 
     def of_faces(self, chosen: NDArray[Any]) -> Look:
-        """The look of some faces. `chosen` has their indices, or True for them."""
+        """The look of some faces, with their materials alone. `chosen` has their indices, or True for them."""
+        own = self.material[chosen]
+        used, places = np.unique(own, return_inverse=True)
+        numbers = used[used != NO_MATERIAL].tolist()
+        places = places.reshape(own.shape) + (len(numbers) - len(used))  # `NO_MATERIAL` comes first in `used`
         return Look(
-            self.materials,
-            self.material[chosen],
+            tuple(self.materials[number] for number in numbers),
+            places.astype(np.int32),
             None if self.uvs is None else self.uvs[chosen],
             None if self.colors is None else self.colors[chosen],
             None if self.normals is None else self.normals[chosen],

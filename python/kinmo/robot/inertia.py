@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinmo.core.loose_pieces import has_border, same_vertices
 from kinmo.core.shape import Mesh
 from kinmo.core.vector import Vector
 from kinmo.robot.convex_hulls import box_of
-from kinmo.robot.robot import Inertial
+from kinmo.robot.robot import Inertial, Matrix
 
 DENSITY = 100.0
 """Density of the box of an open part, and of the volume of a closed one, in kg/m3. Furniture is mostly hollow."""
@@ -50,9 +51,8 @@ def _inertial(mesh: Mesh, density: float) -> Inertial:
     moments = _solid_moments(mesh)
     if moments is None:
         return box_inertial(mesh, density)
-    volume, first, second = moments
-    center = first / volume
-    spread = density * (second - volume * np.outer(center, center))
+    volume, center, second = moments
+    spread = density * second
     return Inertial(density * volume, center, np.trace(spread) * np.eye(3) - spread)
 
 
@@ -78,28 +78,26 @@ def joined(inertials: Iterable[Inertial]) -> Inertial:
     return Inertial(denser * mass, center, denser * inertia)
 
 
-def _solid_moments(mesh: Mesh) -> tuple[float, Vector, Vector] | None:
-    """`_moments` of a solid, see `is_solid`. None for another surface."""
+def _solid_moments(mesh: Mesh) -> tuple[float, Vector, Matrix] | None:
+    """Volume of a solid (see `is_solid`), its centre [3] and its second moments [3, 3] about that. None for other surfaces."""
     if has_border(mesh):
         return None
-    volume, first, second = _moments(mesh)
+    corners, vertices, _ = same_vertices(mesh)
+    middle = vertices[corners].mean(axis=(0, 1))  # moments about a far origin lose digits
+    volume, first, second = _moments(vertices[corners] - middle)
     if 2.0 * volume <= MIN_THICKNESS * mesh.face_areas.sum():  # such as that of two sheets, which rounding makes positive
         return None
-    spread = second / volume - np.outer(first, first) / volume**2
-    return (volume, first, second) if np.linalg.eigvalsh(spread)[0] >= MIN_EXTENT**2 / 12.0 else None
+    second = second - np.outer(first, first) / volume
+    if np.linalg.eigvalsh(second / volume)[0] < MIN_EXTENT**2 / 12.0:
+        return None
+    return volume, middle + first / volume, second
 
 
-def _moments(mesh: Mesh) -> tuple[float, Vector, Vector]:
-    """Volume, and its first [3] and second [3, 3] moments, from the signed tetrahedra of a surface and one of its points."""
-    corners, vertices, _ = same_vertices(mesh)
-    origin = vertices[0]
-    triangles = vertices[corners] - origin
+def _moments(triangles: NDArray[np.float64]) -> tuple[float, Vector, Matrix]:
+    """Volume, and its first [3] and second [3, 3] moments, from the signed tetrahedra of triangles [F, 3, 3] and the origin."""
     volumes = np.linalg.det(triangles) / 6.0
     sums = triangles.sum(axis=1)
     volume = float(volumes.sum())
     first = np.einsum("f,fx->x", volumes, sums) / 4.0
     second = np.einsum("f,fx,fy->xy", volumes, sums, sums) + np.einsum("f,fcx,fcy->xy", volumes, triangles, triangles)
-    second /= 20.0
-    first_there = first + volume * origin
-    second_there = second + np.outer(first, origin) + np.outer(origin, first) + volume * np.outer(origin, origin)
-    return volume, first_there, second_there
+    return volume, first, second / 20.0

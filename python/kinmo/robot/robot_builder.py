@@ -22,6 +22,11 @@ from kinmo.robot.physics import DEFAULT_PHYSICS, Physics, with_resistance
 from kinmo.robot.robot import Collision, Robot, RobotJoint, RobotJointKind, RobotLink, Visual
 from kinmo.robot.safe_limits import stop_notes, with_safe_limits
 
+MAX_DISTANCE = 1000.0
+"""Largest distance of an object from the origin without a note, in diagonals. Single precision then keeps 1e-4 diagonals."""
+FAR_NOTE = "the object is far from the origin of its file: move it there, as formats with single precision lose detail"
+"""Note about an object that is farther."""
+
 
 def build_robot(
     shape: Shape,
@@ -67,6 +72,8 @@ def build_robot(
         densities = [physics.density_of(shape.parts[leaf].name) for leaf in meshes]
         links.append(RobotLink(link.name, origin, visuals, (), inertial_of(list(meshes.values()), densities)))
     colliding, notes = _with_collisions(links, diagonal, collision)
+    if np.linalg.norm(shape.center) > MAX_DISTANCE * shape.diagonal:
+        notes = (*notes, FAR_NOTE)
     title = unique_names([f"{shape.category}_{shape.id}"])[0]
     front = None if shape.front is None else np.asarray(shape.front, float)
     to_gltf = gltf_rotation(np.asarray(shape.up, float), front) @ rotation.T
@@ -120,18 +127,17 @@ def _joint(
 def _with_collisions(
     links: Sequence[RobotLink], diagonal: float, mode: CollisionMode
 ) -> tuple[tuple[RobotLink, ...], tuple[str, ...]]:
-    """Links with collision geometry, named after its part, and notes about it."""
+    """Links with collision geometry, named after its part but unlike any part, and notes about it."""
     meshes = [visual.mesh for link in links for visual in link.visuals]
     shapes, notes = collision_shapes(meshes, diagonal, mode)
+    parts = [visual.name for link in links for visual in link.visuals]
+    own = [f"{part}_collision_{number}" for part, found in zip(parts, shapes, strict=True) for number in range(len(found))]
+    names = iter(unique_names([*parts, *own])[len(parts) :])  # both name mesh files
     found = iter(shapes)
     return tuple(
         replace(
             link,
-            collisions=tuple(
-                Collision(f"{visual.name}_collision_{number}", visual.leaf, shape)
-                for visual in link.visuals
-                for number, shape in enumerate(next(found))
-            ),
+            collisions=tuple(Collision(next(names), visual.leaf, shape) for visual in link.visuals for shape in next(found)),
         )
         for link in links
     ), notes

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from kinmo.core.look import Look, Material
+from kinmo.core.look import Material
 from kinmo.core.names import unique_names
 from kinmo.core.shape import Mesh, join
 from kinmo.io.writers.obj_writer import write_obj
@@ -41,8 +41,7 @@ def with_single_materials(robot: Robot) -> Robot:
             groups = [] if visual.mesh.look is None else visual.mesh.look.used()
             for material, faces in groups if len(groups) > 1 else []:
                 name = f"{visual.name}_{'plain' if material is None else material.name}"
-                mesh = visual.mesh.part(faces)
-                pieces.append((index, name, replace(visual, mesh=replace(mesh, look=_with_one(mesh.look, material)))))
+                pieces.append((index, name, replace(visual, mesh=visual.mesh.part(faces))))
             if len(groups) <= 1:
                 pieces.append((index, visual.name, visual))
     if len(pieces) == sum(len(link.visuals) for link in robot.links):
@@ -55,14 +54,6 @@ def with_single_materials(robot: Robot) -> Robot:
         visuals[index].append(visual if name == visual.name else replace(visual, name=next(names)))
     links: list[RobotLink] = [replace(link, visuals=tuple(own)) for link, own in zip(robot.links, visuals, strict=True)]
     return replace(robot, links=tuple(links))
-
-
-def _with_one(look: Look | None, material: Material | None) -> Look | None:
-    """The look of faces that have one material, without the others."""
-    if look is None:
-        return None
-    materials = () if material is None else (material,)
-    return replace(look, materials=materials, material=np.full_like(look.material, len(materials) - 1))
 
 
 def shown_material(mesh: Mesh) -> Material | None:
