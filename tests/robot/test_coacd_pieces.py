@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import trimesh
@@ -21,6 +24,15 @@ def cache(monkeypatch, tmp_path):
     """An empty cache folder."""
     monkeypatch.setenv(CACHE_FOLDER, str(tmp_path / "cache"))
     return tmp_path / "cache" / "coacd"
+
+
+def replace_coacd(monkeypatch, folder, division, first="") -> None:
+    """Let the processes import a module coacd whose run_coacd has one statement. `first` runs when it is imported."""
+    folder.mkdir(exist_ok=True)
+    lines = ["import os, signal", "import numpy as np", first, "Mesh = set_log_level = lambda *arrays: arrays"]
+    lines += ["def run_coacd(mesh, **settings):", f"    {division}"]
+    (folder / "coacd.py").write_text("\n".join(lines))
+    monkeypatch.setenv("PYTHONPATH", str(folder))
 
 
 def test_pieces_together_have_about_the_volume() -> None:
@@ -52,6 +64,7 @@ def test_a_surface_that_ends_the_process_has_no_pieces_and_stops_no_other(monkey
         "for number in sys.argv[4:]:\n"
         "    name = os.path.join(sys.argv[1], number)\n"
         "    surface = np.load(name + '.npz')\n"
+        "    open(name + '.started', 'w').close()\n"
         "    if len(surface['faces']) == 7:\n"
         "        os.abort()\n"
         "    np.savez(name + '.pieces.npz', points=surface['vertices'], counts=[len(surface['vertices'])])\n"
@@ -73,6 +86,56 @@ def test_surfaces_without_time_left_are_neither_divided_nor_remembered(monkeypat
     assert divided([RING]) == [None]
     monkeypatch.setattr(coacd_pieces, "MAX_SECONDS_PER_PROCESS", 60.0)
     assert divided([RING]) != [None]
+
+
+@pytest.mark.parametrize(
+    "division",
+    [
+        "os.kill(os.getpid(), signal.SIGSEGV)",
+        "os.abort()",
+        "signal.setitimer(signal.ITIMER_PROF, 0.01) or [0 for _ in iter(int, 1)]",
+        "raise RuntimeError('not a manifold')",
+        "return []",
+    ],
+)
+def test_a_surface_on_which_coacd_fails_is_remembered(monkeypatch, cache, tmp_path, division) -> None:
+    replace_coacd(monkeypatch, tmp_path / "fake", division)
+    assert divided([RING]) == [None]
+    assert len(list(cache.iterdir())) == 1
+    monkeypatch.delenv("PYTHONPATH")
+    assert divided([RING]) == [None]
+
+
+@pytest.mark.parametrize(
+    ("first", "division"),
+    [
+        ("raise ImportError('lib_coacd.so is missing')", "pass"),
+        ("os.abort()", "pass"),
+        ("", "os.kill(os.getpid(), signal.SIGKILL)"),
+        ("", "raise MemoryError"),
+        ("np.savez = lambda *_, **__: open('/')", "return [(np.eye(3), None)]"),
+    ],
+    ids=["import fails", "import crashes", "killed", "no memory", "disk error"],
+)
+def test_a_failure_that_is_not_about_the_surface_is_tried_again(monkeypatch, cache, tmp_path, first, division) -> None:
+    replace_coacd(monkeypatch, tmp_path / "fake", division, first)
+    assert divided([RING]) == [None]
+    assert not cache.exists()
+    monkeypatch.delenv("PYTHONPATH")
+    assert divided([RING]) != [None]
+
+
+def test_a_coacd_that_does_not_run_is_started_once(monkeypatch, tmp_path) -> None:
+    count = tmp_path / "starts"
+    replace_coacd(monkeypatch, tmp_path / "fake", "pass", f"open({str(count)!r}, 'a').write('x'); raise ImportError")
+    monkeypatch.setattr(coacd_pieces, "MAX_PROCESSES", 1)
+    assert divided([Mesh(RING.vertices + shift, RING.faces) for shift in (0.0, 1.0, 2.0)]) == [None] * 3
+    assert count.read_text() == "x"
+
+
+def test_kinmo_needs_no_coacd() -> None:
+    code = "import sys; sys.modules['coacd'] = None; import kinmo; kinmo.Prediction"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_no_surface_needs_no_process(monkeypatch) -> None:

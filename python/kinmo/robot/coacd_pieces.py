@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib.metadata
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -33,6 +34,9 @@ MAX_SECONDS_PER_PROCESS = 4.0
 MAX_PROCESSES = 2
 PIECES_PER_PROCESS = 4
 """Surfaces that are worth a second process."""
+FAILURE_SIGNALS = ("SIGSEGV", "SIGABRT", "SIGPROF", "SIGXCPU")
+"""Signals that end the process if CoACD crashes on a surface or takes too long. SIGKILL is not one: it comes from outside, such
+as when memory is short."""
 CACHE_FOLDER = "KINMO_CACHE"
 """Environment variable that names another cache folder."""
 
@@ -65,8 +69,9 @@ def divided(surfaces: Sequence[Mesh]) -> list[list[Points] | None]:
         surfaces: Surfaces in any length unit. Each is divided at its own scale.
 
     Returns:
-        For each surface the corners [P, 3] of its pieces. None if CoACD failed or took more than `MAX_SECONDS`, and if there
-        was no time left for it. The smallest surfaces come first.
+        For each surface the corners [P, 3] of its pieces. None if CoACD failed or took more than `MAX_SECONDS`, which is
+        remembered. None too if there was no time left for it, or CoACD could not run: this is tried again the next time. The
+        smallest surfaces come first.
     """
     folder = cache_folder() / "coacd"
     keys = [_key(surface) for surface in surfaces]
@@ -86,7 +91,7 @@ def _key(surface: Mesh) -> str:
 
 
 def _run(surfaces: Sequence[Mesh]) -> list[list[Points] | None]:
-    """Pieces of surfaces. Empty where CoACD fails, None where there was no time for it."""
+    """Pieces of surfaces. Empty where CoACD fails, None where it did not run or had no time."""
     if not surfaces:
         return []
     with tempfile.TemporaryDirectory() as place:
@@ -96,29 +101,37 @@ def _run(surfaces: Sequence[Mesh]) -> list[list[Points] | None]:
         processes = min(MAX_PROCESSES, os.cpu_count() or 1, 1 + len(surfaces) // PIECES_PER_PROCESS)
         smallest_first = sorted(range(len(surfaces)), key=lambda number: len(surfaces[number].faces))
         with ThreadPoolExecutor(processes) as pool:
-            untried = pool.map(lambda first: _run_all(folder, smallest_first[first::processes]), range(processes))
-            late = {number for numbers in untried for number in numbers}
-        found = [_read(folder / f"{number}.pieces.npz") for number in range(len(surfaces))]
-        return [None if number in late else pieces or [] for number, pieces in enumerate(found)]
+            failed = pool.map(lambda first: _run_all(folder, smallest_first[first::processes]), range(processes))
+            failures = {number for numbers in failed for number in numbers}
+        return [[] if number in failures else _read(folder / f"{number}.pieces.npz") for number in range(len(surfaces))]
 
 
 def _run_all(folder: Path, numbers: Sequence[int]) -> list[int]:
-    """Divide surfaces in one process, and in a new one after each surface that ends it. Returns those without time left."""
+    """Divide surfaces in one process, and in a new one after each surface that ends it. Returns those that CoACD fails on."""
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}  # more threads wait for each other most of the time
     left, seconds = list(numbers), MAX_SECONDS_PER_PROCESS
+    failures: list[int] = []
     while left and seconds > 0.0:
         limits = (str(MAX_SECONDS), str(seconds))
         command = [sys.executable, coacd_process.__file__, str(folder), *limits, *map(str, left)]
-        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
             _, status, usage = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
         seconds -= usage.ru_utime + usage.ru_stime
         while left and (folder / f"{left[0]}.pieces.npz").exists():
             left.pop(0)
-        if process.returncode != 0:
-            del left[:1]  # the one that ended the process
-        elif left:
-            break
-    return left
+        if process.returncode == 0 or not left or not (folder / f"{left[0]}.started").exists():
+            break  # all are done, the time is spent, or CoACD does not run at all
+        ended = left.pop(0)
+        if _is_failure(process.returncode):
+            failures.append(ended)
+    return failures
+
+
+def _is_failure(code: int) -> bool:
+    """True for the exit code of a process in which CoACD failed on the surface that it had."""
+    signals = {-getattr(signal, name) for name in FAILURE_SIGNALS if hasattr(signal, name)}  # Windows lacks some
+    return code == coacd_process.CANNOT_DIVIDE or code in signals
 
 
 def _read(path: Path) -> list[Points] | None:
