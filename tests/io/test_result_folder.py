@@ -19,6 +19,7 @@ from kinmo.io.readers.stated_facts import StatedFacts
 from kinmo.io.result_folder import files_below, read_result, write_result
 from kinmo.io.writers import WRITERS, ExportOptions
 from kinmo.io.writers.joints_json_writer import joints_document
+from kinmo.robot.physics import Physics
 
 FORMATS = ("urdf", "joints_json")
 
@@ -37,6 +38,17 @@ def test_what_is_written_is_read_back(tmp_path: Path) -> None:
     assert saved.options.formats == FORMATS
     document = joints_document(saved.shape, saved.estimate, saved.options)
     assert json.loads(json.dumps(document)) == json.loads((folder / "joints.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    "physics", [Physics(), Physics(density=600.0), Physics(part_densities={"door": 9.0}), Physics(friction=0.0, velocity=2.0)]
+)
+def test_the_physics_of_an_export_is_kept(tmp_path: Path, physics: Physics) -> None:
+    prediction = cabinet_prediction(tmp_path)
+    prediction.export(tmp_path / "out", FORMATS, collision="none", physics=physics)
+    document = json.loads((tmp_path / "out" / "joints.json").read_text(encoding="utf-8"))
+    assert ("physics" in document["export"]) == (physics != Physics())
+    assert read_result(tmp_path / "out").options.physics == physics
 
 
 @pytest.mark.parametrize(
@@ -99,6 +111,13 @@ def test_a_changed_or_missing_source_is_one_line_with_the_remedy(tmp_path: Path)
     [
         (("export", "metres_per_unit"), 0, r"export\.metres_per_unit: expected a positive number"),
         (("export", "name"), "../../cabinet", r"export\.name: expected a file name without folders"),
+        (("export", "physics"), 600, r"export\.physics: expected an object"),
+        (("export", "physics"), {"density": 0}, r"export\.physics\.density: expected a positive number, got 0"),
+        (("export", "physics"), {"friction": "a"}, r"export\.physics\.friction: expected a number"),
+        (("export", "physics"), {"damping": -1.0}, r"export\.physics\.damping: expected a finite number of at least 0, got -1"),
+        (("export", "physics"), {"part_densities": [1]}, r"export\.physics\.part_densities: expected an object"),
+        (("export", "physics"), {"part_densities": {"a": "b"}}, r"export\.physics\.part_densities\.a: expected a number"),
+        (("export", "physics"), {"part_densities": {"a": -1}}, r"export\.physics\.part_densities\.a: expected a positive"),
         (("shape", "layout"), "lego", r"shape\.layout: expected one of "),
         (("shape", "up"), [0, 1], r"shape\.up: expected 3 numbers"),
         (("shape", "labels"), 3, r"shape\.labels: expected a text"),

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cabinet_results import predict_cabinets, result_in
+from cabinet_results import cabinet_prediction, predict_cabinets, result_in
 from predicted_cabinet import CORRECTIONS, write_cabinet_glb
 from trained_workspace import Recorder, contents
 
@@ -28,6 +28,7 @@ from kinmo.pipeline.result_export import (
     corrected_result,
     export_result,
 )
+from kinmo.robot.physics import Physics
 
 
 def export(folder: Path, target: Path | None = None, **how: Any) -> ExportedResult:
@@ -52,6 +53,17 @@ def test_corrections_are_written_and_twice_gives_the_same_as_once(tmp_path: Path
     once = contents(folder)
     export(folder)
     assert contents(folder) == once
+
+
+def test_the_physics_of_the_result_is_repeated(tmp_path: Path) -> None:
+    folder = tmp_path / "heavy"
+    physics = Physics(density=600.0, friction=0.7)
+    cabinet_prediction(tmp_path).export(folder, ["urdf", "joints_json"], collision="none", physics=physics)
+    before = contents(folder)
+    export(folder)
+    assert contents(folder) == before
+    urdf = ElementTree.parse(folder / "heavy.urdf")
+    assert {dynamics.get("friction") for dynamics in urdf.iter("dynamics")} == {"0.7"}
 
 
 def test_without_overrides_the_prediction_is_restored(tmp_path: Path) -> None:

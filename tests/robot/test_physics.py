@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 import pytest
 from articulated import shape_of_boxes
 
+from kinmo.core.errors import InputError
 from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.io.writers import ExportOptions, export
@@ -27,6 +31,21 @@ def shape_with(joint: Joint):
 def robot_with(joint: Joint, physics: Physics) -> Robot:
     shape = shape_with(joint)
     return build_robot(shape, shape.mobility, physics=physics)
+
+
+@pytest.mark.parametrize(
+    ("constants", "problem"),
+    [
+        ({"density": 0.0}, "physics: density: expected a positive number, got 0.0"),
+        ({"part_densities": {"lid": math.nan}}, "physics: part_densities.lid: expected a positive number, got nan"),
+        ({"friction": -0.1}, "physics: friction: expected a finite number of at least 0, got -0.1"),
+        ({"velocity": math.inf}, "physics: velocity: expected a finite number of at least 0, got inf"),
+    ],
+)
+def test_constants_that_no_simulator_bears_are_refused(constants: dict[str, Any], problem: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Physics(**constants)
+    assert str(caught.value) == problem
 
 
 @pytest.mark.parametrize("joint", [HINGE, Joint(JointKind.PRISMATIC, Y, np.zeros(3), -0.05, 3.0)], ids=["hinge", "slider"])

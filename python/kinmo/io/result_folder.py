@@ -25,6 +25,7 @@ from kinmo.io.writers import ExportOptions, check_formats, write_formats
 from kinmo.io.writers.joints_json_writer import FILE_NAME
 from kinmo.io.writers.writer import is_file_name
 from kinmo.robot.collision_geometry import COLLISION_MODES, DEFAULT_MODE, CollisionMode
+from kinmo.robot.physics import DEFAULT_PHYSICS, Physics
 
 PREDICT_AGAIN = "run kinmo predict again, which keeps overrides.toml"
 """Remedy for a result that no longer fits the file of its shape."""
@@ -96,7 +97,8 @@ def _options(folder: Path, document: JsonField) -> ExportOptions:
         raise export["name"].fail("expected a file name without folders")
     name, formats = export["name"].text(), tuple(item.text() for item in export["formats"].items())
     package = "" if export["package"].is_absent else export["package"].text()
-    return ExportOptions(name, scale, formats=formats, collision=_collision(export["collision"]), package=package)
+    collision, physics = _collision(export["collision"]), _physics(export["physics"])
+    return ExportOptions(name, scale, formats=formats, collision=collision, physics=physics, package=package)
 
 
 def _collision(field: JsonField) -> CollisionMode:
@@ -106,6 +108,21 @@ def _collision(field: JsonField) -> CollisionMode:
     if field.text() not in modes:
         raise field.fail(f"expected one of {', '.join(modes)}")
     return modes[field.text()]
+
+
+def _physics(field: JsonField) -> Physics:
+    if field.is_absent:
+        return DEFAULT_PHYSICS
+    names = {} if field["part_densities"].is_absent else field["part_densities"].value
+    if not isinstance(names, dict):
+        raise field["part_densities"].fail("expected an object")
+    densities = {name: field["part_densities"][name].number() for name in names}
+    damping, friction = (None if field[name].is_absent else field[name].number() for name in ("damping", "friction"))
+    others = {name: field[name].number(getattr(DEFAULT_PHYSICS, name)) for name in ("density", "effort", "velocity")}
+    try:
+        return Physics(part_densities=densities, damping=damping, friction=friction, **others)
+    except InputError as error:
+        raise InputError(field.where, error.problem, f"{field.path}.{error.field}") from None
 
 
 def options_in(folder: Path) -> ExportOptions:

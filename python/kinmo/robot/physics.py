@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from kinmo.core.errors import InputError
 from kinmo.robot.inertia import DENSITY, joined
 from kinmo.robot.robot import Robot, RobotJoint, RobotJointKind
 
@@ -42,6 +44,9 @@ class Physics:
             against their weight.
         effort: largest force of a motor in N or N m.
         velocity: largest speed in m/s or rad/s.
+
+    Raises:
+        InputError: a density is not above 0, or another constant is below 0 or not finite. It names the field.
     """
 
     density: float = DENSITY
@@ -50,6 +55,16 @@ class Physics:
     friction: float | None = None
     effort: float = 100.0
     velocity: float = 10.0
+
+    def __post_init__(self) -> None:
+        densities = {"density": self.density} | {f"part_densities.{name}": each for name, each in self.part_densities.items()}
+        for field_name, value in densities.items():
+            if not 0.0 < value < math.inf:
+                raise InputError("physics", f"expected a positive number, got {value}", field_name)
+        constants = {"damping": self.damping, "friction": self.friction, "effort": self.effort, "velocity": self.velocity}
+        for field_name, constant in constants.items():
+            if constant is not None and not 0.0 <= constant < math.inf:
+                raise InputError("physics", f"expected a finite number of at least 0, got {constant}", field_name)
 
     def density_of(self, part: str) -> float:
         """Density of a part by its name, in kg/m3."""

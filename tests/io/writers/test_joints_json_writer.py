@@ -3,6 +3,7 @@
 import copy
 import json
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
@@ -20,6 +21,7 @@ from kinmo.io.readers.joints_json_reader import read_joints_json
 from kinmo.io.writers import ExportOptions, write_formats
 from kinmo.io.writers.joints_json_writer import joints_document
 from kinmo.pipeline.joint_lines import joint_lines
+from kinmo.robot.physics import Physics
 
 SCHEMA = json.loads((files("kinmo.io.writers") / "joints.schema.json").read_text(encoding="utf-8"))
 TYPES = {
@@ -108,8 +110,10 @@ def test_a_prediction_survives_a_round_trip(tmp_path_factory, shape):
 @settings(max_examples=25)
 @given(articulated_shapes())
 def test_the_file_conforms_to_its_schema(shape):
-    document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), OPTIONS)))
-    assert list(violations(document, SCHEMA, SCHEMA)) == []
+    physics = Physics(density=600.0, part_densities={"door": 20.0}, friction=0.5)
+    for options in (OPTIONS, replace(OPTIONS, package="cabinet", physics=physics)):
+        document = json.loads(json.dumps(joints_document(shape, prediction_of(shape), options)))
+        assert list(violations(document, SCHEMA, SCHEMA)) == []
 
 
 @settings(max_examples=25)

@@ -21,6 +21,7 @@ from kinmo.core.wording import printable_path
 from kinmo.io.atomic_files import write_json_atomically
 from kinmo.io.readers.untrusted_files import plain_path
 from kinmo.io.writers.writer import ExportedObject, ExportOptions
+from kinmo.robot.physics import DEFAULT_PHYSICS, Physics
 
 FILE_NAME = "joints.json"
 SCHEMA_VERSION = 1
@@ -68,6 +69,7 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOpti
             "formats": list(options.formats),
             "collision": options.collision,
             **({"package": options.package} if options.package else {}),
+            **({"physics": _physics(options.physics)} if options.physics != DEFAULT_PHYSICS else {}),
         },
         "bodies": _bodies(shape, prediction, _robot_names(prediction.mobility)),
     }
@@ -78,6 +80,17 @@ def joints_document(shape: Shape, prediction: ShapeEstimate, options: ExportOpti
             "predicted": _bodies(shape, correction.predicted, {}),
         }
     return document
+
+
+def _physics(physics: Physics) -> dict[str, Any]:
+    return {
+        "density": float(physics.density),
+        "part_densities": {name: float(density) for name, density in physics.part_densities.items()},
+        "damping": None if physics.damping is None else float(physics.damping),
+        "friction": None if physics.friction is None else float(physics.friction),
+        "effort": float(physics.effort),
+        "velocity": float(physics.velocity),
+    }
 
 
 def _robot_names(mobility: Mobility) -> dict[int, dict[str, str | None]]:
