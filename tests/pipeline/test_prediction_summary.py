@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
+from cabinet_results import cabinet_prediction
 
-from kinmo.pipeline.prediction_summary import notes_about
+from kinmo.io.discover import ShapeSource
+from kinmo.pipeline.prediction_summary import notes_about, summary_of
 
 GUESS = {"up": "up +y (OBJ)"}
 
@@ -19,6 +22,15 @@ def document(**changes: Any) -> dict[str, Any]:
 
 def notes(*documents: dict[str, Any]) -> list[str]:
     return list(notes_about(documents, ()))
+
+
+def test_the_summary_names_the_urdf_only_if_it_was_written(tmp_path: Path) -> None:
+    prediction, folder = cabinet_prediction(tmp_path), tmp_path / "out"
+    found = ShapeSource(prediction.shape.source, prediction.shape.layout, prediction.shape.id)
+    prediction.export(folder, ["glb", "joints_json"], collision="none")
+    assert "urdf" not in summary_of(found, folder)[0]
+    written = prediction.export(folder, ["urdf", "joints_json"], collision="none", overwrite=True)
+    assert summary_of(found, folder)[0]["urdf"] == str(written["urdf"])
 
 
 def test_a_good_prediction_has_no_notes() -> None:

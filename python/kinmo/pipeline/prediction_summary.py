@@ -34,6 +34,8 @@ NO_JOINTS = "  no joints found"
 def summary_of(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[str]]:
     """Short facts about the prediction in a folder, and its lines: the shape, then each joint.
 
+    The facts have the path `urdf` only if the URDF was written.
+
     Raises InputError if joints.json cannot be read.
     """
     with expecting("joints.json of kinmo predict", folder / FILE_NAME):
@@ -50,7 +52,7 @@ def summary_of(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[s
             "parts": sum(len(body["parts"]) for body in bodies),
             "joints": len(joints),
             "mean_score": float(np.mean(scores)) if scores else None,
-            "urdf": str(folder / f"{folder.name}.urdf"),
+            **_urdf(document.get("export", {}), folder),
             "diagonal": float(shape["diagonal"]),
             "metres_per_unit": float(shape["metres_per_unit"]),
             "guessed": {str(name): str(line) for name, line in shape["guessed"].items()},
@@ -60,6 +62,11 @@ def summary_of(found: ShapeSource, folder: Path) -> tuple[dict[str, Any], list[s
         }
     title = f"{_name(summary)} (category {clean_text(summary['category']) or 'unknown'})"
     return summary, [title, *(joints or [NO_JOINTS])]
+
+
+def _urdf(export: Mapping[str, Any], folder: Path) -> dict[str, str]:
+    """The path of the URDF by the name of its format. Empty if the export, as joints.json has it, wrote none."""
+    return {"urdf": str(folder / f"{export['name']}.urdf")} if "urdf" in export.get("formats", ()) else {}
 
 
 def _name(document: Mapping[str, Any]) -> str:

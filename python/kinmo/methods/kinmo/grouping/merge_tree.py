@@ -64,16 +64,3 @@ def merge_leaves(count: int, pairs: NDArray[np.int64], logits: NDArray[np.float6
             heapq.heappush(queue, (-link[0] / link[1], other, joined))
         merges.append(Merge(clusters[joined], -cost, halves))
     return merges
-
-
-def clusters_above(count: int, merges: list[Merge], logit: float = 0.0) -> list[tuple[int, ...]]:
-    """Clusters of all leaves after the merges with more than some logit, ordered by their first leaf."""
-    owner = list(range(count))
-    for merge in merges:
-        if merge.logit > logit:
-            for leaf in merge.leaves:
-                owner[leaf] = merge.leaves[0]
-    found: dict[int, list[int]] = {}
-    for leaf, cluster in enumerate(owner):
-        found.setdefault(cluster, []).append(leaf)
-    return [tuple(leaves) for leaves in found.values()]
