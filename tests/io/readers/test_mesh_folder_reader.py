@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from gltf_files import PARTS, box
-from obj_files import obj
+from obj_files import TRIANGLE, obj, places_of_parts
+from textured_files import encoded
 
 import kinmo
 from kinmo.core.shape import Shape
 from kinmo.io.discover import discover
+from kinmo.io.source_files import fingerprint
 
 HEADER = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
 POINTS = f"{HEADER}end_header\n0 0 0\n"
@@ -109,3 +112,24 @@ def test_an_obj_file_with_several_objects_of_one_name_is_no_part(tmp_path: Path)
 def test_an_obj_file_that_repeats_its_group_is_a_part(tmp_path: Path) -> None:
     obj(meshes(tmp_path) / "more.obj", "g drawer", "g drawer")
     assert parts_of(kinmo.load(tmp_path)) == ["body", "door", "knob", "more"]
+
+
+def test_labels_follow_the_names_of_the_files_and_the_faces_in_each(tmp_path: Path) -> None:
+    obj(tmp_path / "a.obj", "usemtl A", "usemtl B", "usemtl A", "usemtl B")
+    (tmp_path / "b.obj").write_text(TRIANGLE.format(4))
+    np.save(tmp_path / "faces.npy", [0, 0, 1, 1, 1])
+    assert places_of_parts(kinmo.load(tmp_path, labels=tmp_path / "faces.npy")) == [{0, 1}, {2, 3, 4}]
+
+
+def test_a_change_of_a_material_or_an_image_is_noticed(tmp_path: Path) -> None:
+    for name, library in (("a", "mtllib own.mtl\nusemtl own\n"), ("b", "")):
+        (tmp_path / f"{name}.obj").write_text(library + TRIANGLE.format(1))
+    (tmp_path / "own.mtl").write_text("newmtl own\nKd 1 0 0\nmap_Kd own.png\n")
+    (tmp_path / "own.png").write_bytes(encoded("PNG"))
+    (found,) = discover(tmp_path)
+    names = ("a.obj", "b.obj", "own.mtl", "own.png")
+    assert [row[0] for row in fingerprint(found)] == [f"{tmp_path.name}/{name}" for name in names]
+    for name in ("own.mtl", "own.png"):
+        before = fingerprint(found)
+        (tmp_path / name).write_bytes((tmp_path / name).read_bytes() + b"\n")
+        assert fingerprint(found) != before

@@ -231,6 +231,19 @@ def test_a_change_of_a_mesh_is_noticed(tmp_path: Path) -> None:
     assert fingerprint(found) != before
 
 
+def test_a_change_of_an_included_file_is_noticed(tmp_path: Path) -> None:
+    (tmp_path / "more").mkdir()
+    (tmp_path / "outer.xml").write_text('<mujocoinclude><include file="more/inner.xml"/></mujocoinclude>')
+    inner = tmp_path / "more" / "inner.xml"
+    inner.write_text(f'<mujocoinclude><body name="inner">{BASE}</body></mujocoinclude>')
+    (tmp_path / "a.xml").write_text('<mujoco><worldbody><include file="outer.xml"/></worldbody></mujoco>')
+    (found,) = discover(tmp_path)
+    before = fingerprint(found)
+    assert [row[0] for row in before] == ["a.xml", "outer.xml", "more/inner.xml"]
+    inner.write_text(inner.read_text().replace("inner", "changed"))
+    assert fingerprint(found) != before
+
+
 def test_an_object_without_joints_has_no_annotation(tmp_path: Path) -> None:
     assert read(tmp_path, f'<body name="a">{BASE}</body><body name="b" pos="3 0 0">{BASE}</body>').mobility is None
 

@@ -10,7 +10,7 @@ import pytest
 from datasets import box_obj
 from hypothesis import given
 from hypothesis import strategies as st
-from obj_files import obj
+from obj_files import obj, places_of_parts
 
 import kinmo
 from kinmo.core.shape import Shape
@@ -94,3 +94,42 @@ def test_polygons_of_an_obj_file_stay_in_their_group(tmp_path: Path) -> None:
 def test_faces_of_fewer_than_three_corners_are_said(tmp_path: Path) -> None:
     shape = kinmo.load(obj(tmp_path / "a.obj", "o door", "o body\nf 1 2\nf 1", "o knob"))
     assert shape.repairs == ("faces of fewer than three corners ignored: 2",)
+
+
+HEADS = ["usemtl A", "usemtl B", "usemtl A", "usemtl B"]
+
+
+@pytest.mark.parametrize(
+    "heads",
+    [HEADS, ["g A", "g B", "g A", "g B"], ["o C\ng A", "g B", "g A", "o D\ng A"]],
+    ids=["materials", "groups", "groups of objects"],
+)
+def test_labels_are_in_the_order_of_the_file_where_groups_alternate(heads: list[str], tmp_path: Path) -> None:
+    path = obj(tmp_path / "a.obj", *heads)
+    np.save(tmp_path / "faces.npy", [0, 0, 1, 1])
+    assert places_of_parts(kinmo.load(path, labels=tmp_path / "faces.npy")) == [{0, 1}, {2, 3}]
+
+
+@given(st.lists(st.tuples(st.sampled_from(["", "o", "g A", "g B", "usemtl A", "usemtl B"]), st.integers(0, 2)), min_size=5))
+def test_equal_labels_are_a_part_whatever_divides_the_faces(rows: list[tuple[str, int]]) -> None:
+    labels = [3, *(label for _, label in rows[1:])]
+    with TemporaryDirectory() as folder:
+        path = obj(Path(folder) / "a.obj", *(head for head, _ in rows))
+        np.save(Path(folder) / "faces.npy", labels)
+        found = places_of_parts(kinmo.load(path, labels=Path(folder) / "faces.npy"))
+    wanted = [{place for place, other in enumerate(labels) if other == label} for label in set(labels)]
+    assert found == sorted(wanted, key=min)
+
+
+def test_labelled_faces_keep_their_materials(tmp_path: Path) -> None:
+    (tmp_path / "a.mtl").write_text("newmtl A\nKd 1 0 0\nnewmtl B\nKd 0 0 1\n")
+    path = obj(tmp_path / "a.obj", "mtllib a.mtl\nusemtl A", *HEADS[1:])
+    np.save(tmp_path / "faces.npy", [0, 0, 0, 1])
+    names = {}
+    for mesh in kinmo.load(path, labels=tmp_path / "faces.npy").meshes():
+        assert mesh.look is not None
+        names |= {
+            place: mesh.look.materials[number].name
+            for place, number in zip(mesh.triangles[:, 0, 0].tolist(), mesh.look.material.tolist(), strict=True)
+        }
+    assert names == {0.0: "A", 1.0: "B", 2.0: "A", 3.0: "B"}

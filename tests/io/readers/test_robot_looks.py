@@ -11,6 +11,8 @@ from textured_files import encoded
 
 import kinmo
 from kinmo.core.look import Material
+from kinmo.io.discover import ShapeSource
+from kinmo.io.source_files import fingerprint
 
 BOX = '<geometry><box size="1 1 1"/></geometry>'
 QUAD = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n"
@@ -184,3 +186,33 @@ def test_a_material_of_mjcf_that_cannot_be_used_is_one_line(tmp_path: Path, geom
     box = 'type="box" size="0.5 0.5 0.5"'
     assets = '<texture name="sky" file="sky.png"/><material name="sky" texture="sky"/><material name="clear" rgba="1 1 1 0"/>'
     assert unread(mjcf(tmp_path, {"a": f"{box} {geom}", "b": box}, assets)) == [f"{line} ignored: 1"]
+
+
+def test_a_change_of_a_material_or_an_image_of_a_urdf_is_noticed(tmp_path: Path) -> None:
+    (tmp_path / "quad.obj").write_text(OWN_MATERIAL + QUAD)
+    (tmp_path / "own.mtl").write_text("newmtl own\nmap_Kd own.png\n")
+    for name in ("own", "wood"):
+        (tmp_path / f"{name}.png").write_bytes(encoded("PNG"))
+    wood = '<material name="wood"><texture filename="wood.png"/></material>'
+    shape = urdf(tmp_path, {"quad": '<geometry><mesh filename="quad.obj"/></geometry>', "box": BOX + wood})
+    found = ShapeSource(shape.source, "urdf", shape.id)
+    assert [row[0] for row in fingerprint(found)] == ["a.urdf", "quad.obj", "own.mtl", "own.png", "wood.png"]
+    for name in ("own.mtl", "own.png", "wood.png"):
+        before = fingerprint(found)
+        (tmp_path / name).write_bytes((tmp_path / name).read_bytes() + b"\n")
+        assert fingerprint(found) != before
+
+
+def test_a_change_of_an_image_of_mjcf_is_noticed(tmp_path: Path) -> None:
+    for folder in ("meshes", "images"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "meshes" / "quad.obj").write_text(OWN_MATERIAL + QUAD)
+    (tmp_path / "meshes" / "own.mtl").write_text("newmtl own\nKd 1 0 0\n")
+    (tmp_path / "images" / "wood.png").write_bytes(encoded("PNG"))
+    assets = '<mesh file="quad.obj"/><texture name="wood" type="2d" file="wood.png"/><material name="wood" texture="wood"/>'
+    shape = mjcf(tmp_path, {"quad": 'type="mesh" mesh="quad" material="wood"'}, assets)
+    found = ShapeSource(shape.source, "mjcf", shape.id)
+    before = fingerprint(found)
+    assert [row[0] for row in before] == ["a.xml", "meshes/quad.obj", "images/wood.png"], "MuJoCo reads no MTL files"
+    (tmp_path / "images" / "wood.png").write_bytes(encoded("PNG", seed=1))
+    assert fingerprint(found) != before

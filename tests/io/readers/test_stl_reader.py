@@ -42,3 +42,12 @@ def test_bytes_behind_the_triangles_of_a_binary_stl_change_nothing(rest: bytes, 
     longer = kinmo.load(path)
     for one, other in zip(plain.meshes(), longer.meshes(), strict=True):
         np.testing.assert_array_equal(one.triangles, other.triangles)
+
+
+def test_labels_count_over_all_solids_in_the_order_of_the_file(tmp_path: Path) -> None:
+    facet = "facet normal 0 0 0\nouter loop\nvertex {0} 0 0\nvertex {0} 1 0\nvertex {0} 0 1\nendloop\nendfacet\n"
+    solids = "".join(f"solid {name}\n{facet.format(i)}endsolid {name}\n" for i, name in enumerate(["b", "a", "b", ""]))
+    (tmp_path / "a.stl").write_text(solids)
+    np.save(tmp_path / "faces.npy", [0, 0, 1, 1])
+    shape = kinmo.load(tmp_path / "a.stl", labels=tmp_path / "faces.npy")
+    assert sorted(sorted(set(mesh.vertices[:, 0].tolist())) for mesh in shape.meshes()) == [[0.0, 1.0], [2.0, 3.0]]

@@ -7,6 +7,7 @@ import pytest
 import trimesh
 from articulated import box_mesh
 from datasets import box_obj
+from gltf_files import KNOB, GltfBuilder
 
 import kinmo
 from kinmo.core.errors import InputError
@@ -371,6 +372,25 @@ def test_a_change_of_a_mesh_of_a_urdf_is_noticed(tmp_path):
     ]
     (folder / "parts" / "door.obj").write_text("")
     assert fingerprint(found) != before
+
+
+def test_a_change_of_a_file_that_a_mesh_of_a_urdf_names_is_noticed(tmp_path):
+    builder = GltfBuilder()
+    builder.scene(builder.node(mesh=builder.mesh(KNOB))).write_gltf(tmp_path / "knob.gltf", "knob.bin")
+    (tmp_path / "robot.urdf").write_text(
+        "<robot name='r'><link name='a'><visual><geometry><mesh filename='knob.gltf'/></geometry></visual></link></robot>"
+    )
+    (found,) = discover(tmp_path / "robot.urdf")
+    assert [row[0] for row in fingerprint(found)] == ["robot.urdf", "knob.gltf", "knob.bin"]
+
+
+def test_files_outside_of_the_folder_do_not_count(tmp_path):
+    folder = write_cabinet(tmp_path / "a")
+    (tmp_path / "secret.obj").write_text("mtllib secret.mtl\n")
+    file = folder / "mobility.urdf"
+    file.write_text(file.read_text().replace("parts/door.obj", "../secret.obj"))
+    (found,) = discover(folder)
+    assert not [row[0] for row in fingerprint(found) if "secret" in row[0] or "door" in row[0]]
 
 
 @pytest.mark.parametrize(

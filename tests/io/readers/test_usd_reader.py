@@ -1,4 +1,4 @@
-"""USD files whose layers are not there."""
+"""USD files whose layers are not there, or are in folders and packages."""
 
 from __future__ import annotations
 
@@ -70,3 +70,36 @@ def test_a_broken_layer_is_named(tmp_path: Path, capfd: pytest.CaptureFixture[st
     shape = kinmo.load(stage(tmp_path / "a.usda", "references = @./door.usda@"))
     assert shape.repairs == ("asset door.usda (cannot be opened) ignored: 1",)
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("folder", ["v[1]", "[old] model", "a]b[c", "x[y.usdz"])
+def test_brackets_in_the_name_of_a_folder_change_nothing(folder: str, tmp_path: Path) -> None:
+    inner = tmp_path / folder
+    inner.mkdir()
+    stage(inner / "b.usda")
+    (found,) = discover(stage(inner / "a.usda", layers="subLayers = [@./b.usda@]"))
+    assert len(found.read().leaves) == 2
+    assert [row[0] for row in fingerprint(found)] == ["a.usda", "b.usda"]
+
+
+@pytest.mark.parametrize("folder", ["plain", "v[1]"])
+def test_a_package_is_one_file(folder: str, tmp_path: Path) -> None:
+    from pxr import UsdUtils
+
+    inner = tmp_path / folder
+    inner.mkdir()
+    assert UsdUtils.CreateNewUsdzPackage(str(stage(tmp_path / "b.usda")), str(inner / "b.usdz"))
+    (packed,) = discover(inner / "b.usdz")
+    assert len(packed.read().leaves) == 2
+    assert [row[0] for row in fingerprint(packed)] == ["b.usdz"]
+    (found,) = discover(stage(inner / "a.usda", "references = @./b.usdz@</chest>"))
+    assert len(found.read().leaves) == 4
+    assert [row[0] for row in fingerprint(found)] == ["a.usda", "b.usdz"]
+
+
+def test_a_layer_outside_a_folder_with_brackets_is_still_refused(tmp_path: Path) -> None:
+    (tmp_path / "v[1]").mkdir()
+    stage(tmp_path / "b.usda")
+    path = stage(tmp_path / "v[1]" / "a.usda", layers="subLayers = [@../b.usda@]")
+    with pytest.raises(kinmo.InputError, match=r"b\.usda: leads out of the folder of the file"):
+        kinmo.load(path)

@@ -81,10 +81,16 @@ def _add_nodes(builder: SceneBuilder, collada: Any, roots: list[Any]) -> None:
             continue
         pose = above @ np.asarray(node.matrix, np.float64)
         meshes = [mesh for child in node.children for mesh in _meshes_of(builder, collada, child)]
-        name = node.xmlnode.get("name") or ""
-        place = builder.add(name, parent, join(*meshes) if meshes else None, pose)
+        place = builder.add(_name(collada, node), parent, join(*meshes) if meshes else None, pose)
         below = [child for child in node.children if isinstance(child, collada.scene.Node)]
         pending += [(child, place, pose) for child in reversed(below)]
+
+
+def _name(collada: Any, node: Any) -> str:
+    """The name of a node. That of an instance is mostly on the node that it shows."""
+    while isinstance(node, collada.scene.NodeNode) and not node.xmlnode.get("name"):
+        node = node.node
+    return node.xmlnode.get("name") or ""
 
 
 def _meshes_of(builder: SceneBuilder, collada: Any, instance: Any) -> list[Mesh]:

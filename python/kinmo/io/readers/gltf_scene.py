@@ -228,7 +228,10 @@ def _local_pose(node: JsonField) -> F64:
 
 
 def _bent(primitive: Primitive, poses: F64, node: JsonField) -> Mesh:
-    """The triangles of a primitive in the scene. The weighted mean of the poses [J, 4, 4] of its joints moves each vertex."""
+    """The triangles of a primitive in the scene. The weighted mean of the poses [J, 4, 4] of its joints moves each vertex.
+
+    Triangles that the poses mirror are flipped, so that they still face outwards.
+    """
     joints, weights = primitive.joints, primitive.weights
     assert joints is not None and weights is not None
     weights = np.maximum(weights, 0.0)
@@ -238,14 +241,31 @@ def _bent(primitive: Primitive, poses: F64, node: JsonField) -> Mesh:
     weights = np.where(total > 0.0, weights / np.where(total > 0.0, total, 1.0), 0.0)
     weights[total[:, 0] == 0.0, 0] = 1.0  # vertices without weights follow their first joint
     corners = np.column_stack([primitive.mesh.vertices, np.ones(len(weights))])
-    vertices = np.zeros((len(weights), 3))
+    vertices, linear = np.zeros((len(weights), 3)), None
     with np.errstate(over="ignore", invalid="ignore"):
+        if np.any(np.linalg.det(poses[:, :3, :3]) < 0.0):
+            linear = np.zeros((len(weights), 3, 3))
         for column in range(weights.shape[1]):
             chosen = np.minimum(joints[:, column], len(poses) - 1)
             for joint in np.unique(chosen[weights[:, column] > 0.0]):
                 rows = (chosen == joint) & (weights[:, column] > 0.0)
                 vertices[rows] += weights[rows, column, None] * (corners[rows] @ poses[joint, :3].T)
+                if linear is not None:
+                    linear[rows] += weights[rows, column, None, None] * poses[joint, :3, :3]
+        is_mirrored = None if linear is None else np.linalg.det(linear) < 0.0
     if not np.isfinite(vertices).all():
         raise node["skin"].fail("expected transforms that give finite positions")
     look = primitive.mesh.look
-    return Mesh(vertices, primitive.mesh.faces, None if look is None else replace(look, normals=None))
+    mesh = Mesh(vertices, primitive.mesh.faces, None if look is None else replace(look, normals=None))
+    return mesh if is_mirrored is None else _flipped(mesh, is_mirrored[mesh.faces].sum(axis=1) >= 2)
+
+
+def _flipped(mesh: Mesh, chosen: NDArray[np.bool_]) -> Mesh:
+    """A mesh without normals, where the corners of the chosen faces [F] are in reverse order."""
+    order = np.where(chosen[:, None], [2, 1, 0], [0, 1, 2])
+    look = mesh.look
+    if look is not None:
+        uvs = None if look.uvs is None else np.take_along_axis(look.uvs, order[:, :, None], axis=1)
+        colors = None if look.colors is None else np.take_along_axis(look.colors, order[:, :, None], axis=1)
+        look = replace(look, uvs=uvs, colors=colors)
+    return Mesh(mesh.vertices, np.take_along_axis(mesh.faces, order, axis=1), look)

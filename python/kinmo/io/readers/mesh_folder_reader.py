@@ -15,7 +15,7 @@ from kinmo.core.wording import clean_text, counted
 from kinmo.io.readers.dae_reader import READER as DAE_READER
 from kinmo.io.readers.gltf_reader import READER as GLB_READER
 from kinmo.io.readers.image_files import MAX_NAMED
-from kinmo.io.readers.obj_reader import obj_lines
+from kinmo.io.readers.obj_reader import material_files, obj_lines
 from kinmo.io.readers.obj_scene_reader import obj_up, read_obj_scene
 from kinmo.io.readers.ply_reader import READER as PLY_READER
 from kinmo.io.readers.ply_reader import read_ply_scene
@@ -51,7 +51,7 @@ def _read_scene(folder: Path) -> Scene:
     for file in _mesh_files(folder, {entry.name for entry in folder.iterdir()}):
         try:
             scene = _read_file(file, found)
-            found[file] = join(*(node.mesh for node in scene.nodes if node.mesh is not None))
+            found[file] = scene.whole
             unread += Counter(scene.unread)
         except InputError as error:
             problems.append(f"mesh file {clean_text(file.name)} ({error.problem})")
@@ -110,7 +110,8 @@ def _has_several_objects(file: Path) -> bool:
 
 
 def _source_files(path: Path) -> SourceFiles:
-    return path.absolute().parent, _mesh_files(path, {entry.name for entry in path.iterdir()})
+    files = _mesh_files(path, {entry.name for entry in path.iterdir()})
+    return path.absolute().parent, [*files, *material_files(files, path)]
 
 
 READER = Reader(

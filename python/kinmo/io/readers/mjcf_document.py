@@ -33,13 +33,15 @@ class MjcfDocument:
         path: the file.
         home: a folder at or above that of the file. No path of the file may lead out of it.
         root: the element `<mujoco>`.
+        included: the files that it includes, each as often as it does.
         uses_degrees: angles are in degrees, not in radians.
     """
 
     def __init__(self, path: Path, home: Path | None = None) -> None:
         self.path = path
         self.home = home or path.parent
-        self._included, self._bytes_left = 0, MAX_XML_BYTES
+        self.included: list[Path] = []
+        self._bytes_left = MAX_XML_BYTES
         self.root = parse_xml(self._read(path), path)
         if self.root.tag != "mujoco":
             raise InputError(path, f"expected the element mujoco, found {clean_text(self.root.tag)}")
@@ -151,8 +153,7 @@ class MjcfDocument:
                 self._include(child, depth + 1, files)
                 place += 1
                 continue
-            self._included += 1
-            if self._included > _MAX_FILES:
+            if len(self.included) >= _MAX_FILES:
                 raise InputError(self.path, f"includes more than {_MAX_FILES} files")
             name = child.get("file", "")
             file = plain_path(self.path.parent / name)
@@ -162,6 +163,7 @@ class MjcfDocument:
                 data = self._read(file)
             except InputError as error:
                 raise named_by(files[-1], "include", name, error) from None
+            self.included.append(file)
             holder = ET.Element("include")
             holder.extend(parse_xml(data, file))
             self._include(holder, depth + 1, (*files, file))

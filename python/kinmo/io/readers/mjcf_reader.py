@@ -20,11 +20,11 @@ from kinmo.io.readers.mjcf_materials import MjcfMaterials
 from kinmo.io.readers.mtl_materials import MtlMaterials
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.robot_file import FIXED, MAX_LINKS, JointElement, Matrix, RobotFile, RobotPiece, about, ordered_links
-from kinmo.io.readers.robot_meshes import RobotMeshes
+from kinmo.io.readers.robot_meshes import RobotMeshes, with_their_files
 from kinmo.io.readers.robot_numbers import read_list, read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
 from kinmo.io.readers.scene import ignored, placed
-from kinmo.io.readers.untrusted_files import peek
+from kinmo.io.readers.untrusted_files import peek, those_inside
 
 MJCF = "mjcf"
 _ENDINGS = (".xml", ".mjcf")
@@ -284,7 +284,15 @@ def _id_of_file(path: Path) -> str | None:
 
 
 def _source_files(path: Path) -> SourceFiles:
-    return robot_files(path, lambda: read_mjcf_robot(path, lambda problem: None))
+    return robot_files(path, lambda: _named_files(MjcfDocument(path)))
+
+
+def _named_files(document: MjcfDocument) -> list[Path]:
+    """The files that a document includes, its meshes with their files, and its images. MuJoCo reads no MTL files."""
+    meshes = [document.mesh_path(asset["file"]) for _, asset in document.assets("mesh") if "file" in asset]
+    images = [document.texture_path(asset["file"]) for _, asset in document.assets("texture") if "file" in asset]
+    named = with_their_files(those_inside(meshes, document.home))
+    return those_inside([*document.included, *named, *images], document.home)
 
 
 READER = Reader(MJCF, read_mjcf, _source_files, id_of_file=_id_of_file, endings=(".xml (MJCF)",), is_robot=True)

@@ -127,9 +127,9 @@ class MtlMaterials:
             place = beside
         return self._images.read(place)
 
-    def files(self, obj: Path, libraries: Iterable[str]) -> list[Path]:
-        """The MTL files and images of an OBJ file."""
-        self.of(obj, libraries)
+    @property
+    def paths(self) -> list[Path]:
+        """The MTL files and images that were asked for."""
         return [*self._files, *self._images.paths]
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,9 @@ from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh
 from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.mtl_materials import MtlMaterials
-from kinmo.io.readers.obj_look import Corners, obj_look
+from kinmo.io.readers.obj_look import Corners, libraries_in, obj_look
 from kinmo.io.readers.polygons import LESS_THAN_A_TRIANGLE, triangulate
-from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, peek, read_bytes
 
 _MAX_DIGITS = 10
 """Most digits of an index."""
@@ -38,6 +39,20 @@ def parse_obj(data: bytes, where: Path, materials: MtlMaterials | None = None) -
     """
     found = parse_polygons(obj_lines(data), where, materials)
     return None if found is None else found[0]
+
+
+def material_files(meshes: Iterable[Path], folder: Path) -> list[Path]:
+    """The MTL files of OBJ files whose beginning names them, and the images of these.
+
+    Args:
+        meshes: mesh files, of which those of other formats do not count.
+        folder: the folder that no path may lead out of.
+    """
+    materials = MtlMaterials(folder, lambda what: None)
+    for mesh in meshes:
+        if mesh.suffix.lower() == ".obj":
+            materials.of(mesh, libraries_in(obj_lines(peek(mesh, folder))))
+    return materials.paths
 
 
 def obj_lines(data: bytes) -> bytes:

@@ -6,6 +6,7 @@ kinmo reads OBJ itself. trimesh loses objects and groups where materials divide 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +18,12 @@ from kinmo.core.mesh_splitting import split_mesh
 from kinmo.core.shape import Mesh, Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.mtl_materials import MtlMaterials
-from kinmo.io.readers.obj_look import libraries_in
-from kinmo.io.readers.obj_reader import face_places, obj_lines, parse_polygons
+from kinmo.io.readers.obj_reader import face_places, material_files, obj_lines, parse_polygons
 from kinmo.io.readers.reader import Reader
 from kinmo.io.readers.scene import Scene, SceneBuilder
 from kinmo.io.readers.scene_shape import id_by_ending, shape_of_scene
 from kinmo.io.readers.stated_facts import NO_FACTS, StatedFacts
-from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, peek, read_bytes
+from kinmo.io.readers.untrusted_files import MAX_SCENE_BYTES, read_bytes
 
 OBJ = "obj"
 _DIVISION = re.compile(rb"\n[ \t]*(o|g|usemtl)(?=[ \t\n])[ \t]*([^\n#]*)")
@@ -62,19 +62,23 @@ def read_obj_scene(path: Path) -> Scene:
             groups, group_names = np.zeros_like(groups), [""]
     if _LINES.search(text):
         builder.ignore("points and lines")
-    _add_nodes(builder, mesh, objects, object_names, groups, group_names)
-    return builder.scene(OBJ, "OBJ", obj_up(mesh), None)
+    file_order = _add_nodes(builder, mesh, objects, object_names, groups, group_names)
+    return replace(builder.scene(OBJ, "OBJ", obj_up(mesh), None), file_order=file_order)
 
 
 def _add_nodes(
     builder: SceneBuilder, mesh: Mesh, objects: Keys, object_names: list[str], groups: Keys, group_names: list[str]
-) -> None:
-    """Add a node for each pair of object and group, in the order in which the pairs begin, below a node for each object."""
+) -> Keys | None:
+    """Add a node for each pair of object and group, in the order in which the pairs begin, below a node for each object.
+
+    Returns the indices that put the faces of all nodes back in the order of the file. None if no group is continued.
+    """
     pairs, first, inverse = np.unique(objects * len(group_names) + groups, return_index=True, return_inverse=True)
     order = np.argsort(first, kind="stable")
     rank = np.empty(len(order), np.int64)
     rank[order] = np.arange(len(order))
-    pieces = split_mesh(mesh, rank[inverse.ravel()])
+    labels = rank[inverse.ravel()]
+    pieces = split_mesh(mesh, labels)
     owners, which = np.divmod(pairs[order], len(group_names))
     alone = np.bincount(owners, minlength=len(object_names)) == 1
     parents: dict[int, int] = {}
@@ -86,6 +90,8 @@ def _add_nodes(
         if owner not in parents:
             parents[owner] = builder.add(name)
         builder.add(group_name, parents[owner], piece)
+    is_continued = bool(np.any(np.diff(labels) < 0))
+    return np.argsort(np.argsort(labels, kind="stable")) if is_continued else None
 
 
 def _divisions(text: bytes) -> dict[str, list[tuple[int, str]]]:
@@ -120,16 +126,10 @@ def obj_up(mesh: Mesh) -> Axis:
     return "z" if stands[2] and is_centred[0] and is_centred[1] and not stands[1] else "y"
 
 
-def _material_files(path: Path) -> list[Path]:
-    """The MTL files and images of an OBJ file whose beginning names its MTL files."""
-    materials = MtlMaterials(path.parent, lambda what: None)
-    return materials.files(path, libraries_in(obj_lines(peek(path, path.parent))))
-
-
 READER = Reader(
     OBJ,
     read_obj_file,
-    lambda path: (path.absolute().parent, [path, *_material_files(path)]),
+    lambda path: (path.absolute().parent, [path, *material_files([path], path.parent)]),
     id_of_file=id_by_ending((".obj",)),
     endings=(".obj",),
     read_stated=read_obj_file,

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Mesh, join
 from kinmo.core.wording import printable_path
+from kinmo.io.readers.dae_reader import READER as DAE_READER
 from kinmo.io.readers.dae_reader import read_dae_scene
+from kinmo.io.readers.gltf_reader import READER as GLB_READER
 from kinmo.io.readers.gltf_reader import read_glb_scene
 from kinmo.io.readers.msh_mesh import read_msh_mesh
 from kinmo.io.readers.mtl_materials import MtlMaterials
@@ -20,6 +22,9 @@ from kinmo.io.readers.ply_mesh import read_ply_mesh
 from kinmo.io.readers.scene import CornerBudget, Scene
 from kinmo.io.readers.stl_reader import read_stl_scene
 from kinmo.io.readers.untrusted_files import MAX_MESH_BYTES, inside, plain_path, read_bytes
+
+_READERS = {ending: reader for reader in (DAE_READER, GLB_READER) for ending in reader.endings}
+"""Readers of mesh formats whose files may name further files, by ending."""
 
 
 def refuse(problem: InputError) -> None:
@@ -76,6 +81,15 @@ def _searched(robot: Path, home: Path) -> list[Path]:
     """The folder of a robot file, and those above it up to `home`."""
     first, top = plain_path(robot).parent, plain_path(home)
     return [first, *(folder for folder in first.parents if folder.is_relative_to(top))]
+
+
+def with_their_files(meshes: Iterable[Path]) -> list[Path]:
+    """Mesh files, each with the files that it names, such as the buffers and images of glTF. Those of OBJ are left out."""
+    found: list[Path] = []
+    for mesh in meshes:
+        reader = _READERS.get(mesh.suffix.lower())
+        found += [mesh] if reader is None or not is_file(mesh) else reader.source_files(mesh)[1]
+    return found
 
 
 class RobotMeshes:

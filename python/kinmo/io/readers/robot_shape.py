@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -33,13 +34,13 @@ def robot_id(path: Path) -> str | None:
     return clean_text(name) or None
 
 
-def robot_files(path: Path, read: Callable[[], RobotFile]) -> SourceFiles:
-    """The files that a robot is read from: `Reader.source_files`."""
+def robot_files(path: Path, named: Callable[[], Iterable[Path]]) -> SourceFiles:
+    """The files that a robot is read from: `Reader.source_files`. `named` gives those that the file names."""
     folder = path.absolute().parent
-    try:
-        return folder, [path, folder / META_FILE, *read().mesh_files]
-    except InputError:
-        return folder, [path, folder / META_FILE]
+    files = [path, folder / META_FILE]
+    with suppress(InputError):  # of a broken file, which reading names
+        files += named()
+    return folder, list(dict.fromkeys(files))
 
 
 def shape_of_robot(robot: RobotFile, layout: str, convention: str, problems: Iterable[InputError]) -> Shape:

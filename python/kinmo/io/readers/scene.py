@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from kinmo.core.errors import InputError
 from kinmo.core.frames import Axis
-from kinmo.core.shape import Mesh
+from kinmo.core.shape import Mesh, join
 from kinmo.core.wording import clean_text
 from kinmo.io.readers.mesh_limits import checked
 from kinmo.io.readers.part_hierarchy import MAX_DEPTH
@@ -53,6 +53,7 @@ class Scene:
         metres_per_unit: length of a unit in metres. None if neither the file nor its format states it.
         usual_unit: length of a unit in metres that a large object has if `metres_per_unit` is None. None to guess it.
         unread: what was not read, with its count.
+        file_order: indices [F] that put the joined faces of all meshes in the order of the file. None if they have that order.
     """
 
     path: Path
@@ -63,11 +64,18 @@ class Scene:
     metres_per_unit: float | None
     usual_unit: float | None = None
     unread: Mapping[str, int] = field(default_factory=dict)
+    file_order: NDArray[np.int64] | None = None
 
     @property
     def repairs(self) -> tuple[str, ...]:
         """One line for everything that was not read."""
         return ignored(self.unread)
+
+    @property
+    def whole(self) -> Mesh:
+        """All meshes as one, with their faces in the order of the file."""
+        mesh = join(*(node.mesh for node in self.nodes if node.mesh is not None))
+        return mesh if self.file_order is None else mesh.part(self.file_order)
 
 
 class CornerBudget:

@@ -75,7 +75,7 @@ def shape_of_scene(scene: Scene, facts: StatedFacts = NO_FACTS) -> Shape:
     meshes = {index: node.mesh for index, node in enumerate(scene.nodes) if node.mesh is not None}
     nodes = scene.nodes
     if facts.labels is not None:
-        whole = join(*meshes.values())
+        whole = scene.whole
         labels = read_labels(facts.labels, len(whole.faces), scene.path)
         nodes, meshes = _with_pieces(nodes, 0, _split(whole, labels, repairs))
     flat = [index for index, mesh in meshes.items() if not has_surface(mesh)]

@@ -57,8 +57,10 @@ class StatedFacts:
             changes["metres_per_unit"] = self.metres_per_unit
             guesses.pop("metres_per_unit", None)
         if self.up is not None:
-            usual = USUAL_FRONT.get(self.up)
-            changes |= {"up": AXIS_VECTORS[self.up], "front": None if usual is None else AXIS_VECTORS[usual]}
+            changes["up"] = AXIS_VECTORS[self.up]
+            if not np.allclose(shape.up, changes["up"], atol=1e-9):  # else the format's own front still holds
+                usual = USUAL_FRONT.get(self.up)
+                changes["front"] = None if usual is None else AXIS_VECTORS[usual]
             guesses.pop("up", None)
         if self.front is not None:
             changes["front"] = AXIS_VECTORS[self.front]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import stat
+from collections.abc import Iterable
 from pathlib import Path
 
 from kinmo.core.errors import InputError
@@ -37,6 +38,12 @@ def inside(path: Path, folder: Path) -> Path:
     if place != home and home not in place.parents:
         raise InputError(path, f"leads out of the folder {home.name}: expected a path inside it")
     return place
+
+
+def those_inside(paths: Iterable[Path], folder: Path) -> list[Path]:
+    """The paths that do not lead out of the folder, as they are written."""
+    home = plain_path(folder)
+    return [path for path in paths if plain_path(path).is_relative_to(home)]
 
 
 def read_bytes(path: Path, folder: Path, max_bytes: int) -> bytes:

@@ -18,13 +18,14 @@ from kinmo.core.shape import Mesh, Shape
 from kinmo.core.wording import clean_text
 from kinmo.io.readers import solids
 from kinmo.io.readers.mtl_materials import MtlMaterials
+from kinmo.io.readers.obj_reader import material_files
 from kinmo.io.readers.reader import Reader, SourceFiles
 from kinmo.io.readers.robot_file import FIXED, MAX_NUMBER, JointElement, Matrix, RobotFile, RobotPiece, about, ordered_links
-from kinmo.io.readers.robot_meshes import RobotMeshes, mesh_path, missing_mesh, refuse
+from kinmo.io.readers.robot_meshes import RobotMeshes, mesh_path, missing_mesh, refuse, with_their_files
 from kinmo.io.readers.robot_numbers import read_numbers
 from kinmo.io.readers.robot_shape import robot_files, robot_id, shape_of_robot
 from kinmo.io.readers.scene import ignored, placed
-from kinmo.io.readers.untrusted_files import plain_path, read_bytes
+from kinmo.io.readers.untrusted_files import plain_path, read_bytes, those_inside
 from kinmo.io.readers.urdf_materials import UrdfMaterials
 from kinmo.io.readers.xml_files import MAX_XML_BYTES, parse_xml
 
@@ -85,11 +86,15 @@ def read_robot_file(
         with about(path, title):
             found = [_piece(path, meshes, each, looks, title, repairs) for each in element.findall(role)]
         pieces[name] = [piece for piece in found if piece is not None]
-    files = (mesh.get("filename") for mesh in root.findall("link/*/geometry/mesh"))
-    named = (mesh_path(file, path, home) for file in files if file)
     above = {joint.child: joint for joint in joints}
     title = clean_text(root.get("name") or "")
-    return RobotFile(path, title, links, above, pieces, tuple(dict.fromkeys(named)), tuple(repairs))
+    return RobotFile(path, title, links, above, pieces, tuple(_mesh_files(path, root, home)), tuple(repairs))
+
+
+def _mesh_files(path: Path, root: ET.Element, home: Path) -> list[Path]:
+    """The mesh files that the element `<robot>` of a file names, each once."""
+    names = (mesh.get("filename") for mesh in root.findall("link/*/geometry/mesh"))
+    return list(dict.fromkeys(mesh_path(name, path, home) for name in names if name))
 
 
 def _named_links(path: Path, root: ET.Element) -> dict[str, ET.Element]:
@@ -225,7 +230,16 @@ def _id_of_file(path: Path) -> str | None:
 
 
 def _source_files(path: Path) -> SourceFiles:
-    return robot_files(path, lambda: read_robot_file(path, _home(path), lambda problem: None))
+    return robot_files(path, lambda: _named_files(path))
+
+
+def _named_files(path: Path) -> list[Path]:
+    """The meshes of a URDF file with their files, and its images."""
+    root, home = parse_xml(read_bytes(path, path.parent, MAX_XML_BYTES), path), _home(path)
+    meshes = those_inside(_mesh_files(path, root, home), home)
+    names = dict.fromkeys(texture.get("filename") for texture in root.iter("texture"))
+    images = [mesh_path(name, path, home) for name in names if name]
+    return those_inside([*with_their_files(meshes), *material_files(meshes, home), *images], home)
 
 
 READER = Reader(URDF, read_urdf, _source_files, id_of_file=_id_of_file, endings=(_ENDING,), is_robot=True)

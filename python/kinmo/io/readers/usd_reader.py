@@ -80,7 +80,7 @@ class _UsdScene:
         self.stage = Usd.Stage.Open(str(path))
         for layer in self.stage.GetUsedLayers():
             if layer.realPath:
-                file = layer.identifier.partition("[")[0].partition(":SDF_FORMAT_ARGS:")[0]
+                file = _file_of(layer.identifier)
                 try:
                     inside(Path(file), path.parent)
                 except InputError:
@@ -211,6 +211,14 @@ class _UsdScene:
         return join(*found) if found else None
 
 
+def _file_of(layer: str) -> str:
+    """The file of a layer, without the place in a package (usdz) and without arguments. Folders may have brackets too."""
+    from pxr import Ar, Sdf
+
+    path, _ = Sdf.Layer.SplitIdentifier(layer)
+    return str(Ar.SplitPackageRelativePathOuter(path)[0])
+
+
 def _unresolved(problem: str, folder: Path) -> str:
     """Subject of a composition error of usd-core, without the place of the folder."""
     text = problem.replace(f"{folder.absolute()}{os.sep}", "").rstrip(".")
@@ -226,7 +234,7 @@ def _source_files(path: Path) -> SourceFiles:
 
         with _without_warnings():
             layers, _, _ = UsdUtils.ComputeAllDependencies(str(path))
-        files += [Path(layer.realPath) for layer in layers if layer.realPath and "[" not in layer.realPath]
+        files += [Path(_file_of(layer.realPath)) for layer in layers if layer.realPath]
     except Exception:  # missing library or broken file: reading names the problem
         pass
     return path.absolute().parent, list(dict.fromkeys(files))
