@@ -163,6 +163,7 @@ def test_a_folder_with_files_is_replaced_only_on_request(prediction: kinmo.Predi
     ("options", "message"),
     [
         ({"formats": ["urfd"]}, r"formats: unknown format urfd \(did you mean urdf\?\)"),
+        ({"collision": "Convex"}, r"collision: expected one of .*, got Convex \(did you mean convex\?\)"),
         ({"metres_per_unit": 0.0}, "metres_per_unit: expected a positive number, got 0.0"),
         ({"metres_per_unit": float("inf")}, "metres_per_unit: expected a positive number, got inf"),
     ],

@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from articulated import shape_of_boxes
 
+from kinmo.core.joint import Joint, JointKind
 from kinmo.core.mobility import Body
 from kinmo.core.shape import Shape
 from kinmo.io.writers import ExportOptions, write_formats
@@ -62,6 +63,14 @@ def moved(shape: Shape, offset: tuple[float, float, float]) -> Shape:
         for part in shape.parts
     )
     return replace(shape, parts=tuple(parts))
+
+
+def test_the_light_link_of_a_screw_is_at_its_joint() -> None:
+    joint = Joint(JointKind.SCREW, np.array([0.0, 0.0, 1.0]), np.array([2.5, 1.0, 0.5]), 0.0, 0.5)
+    robot = robot_of(shape_of_boxes(BOXES, [Body(0, "jar", (1,)), Body(1, "lid", (2,), 0, joint)]))
+    (light,) = (link for link in robot.links if not link.visuals)
+    assert np.linalg.norm(light.origin) > 2.0
+    np.testing.assert_allclose(light.inertial.center, light.origin)
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.001])

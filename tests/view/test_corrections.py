@@ -67,6 +67,14 @@ def test_resetting_gives_the_predicted_joint(tmp_path: Path) -> None:
     assert joint_named(corrections.prediction, "door").pivot == pytest.approx(joint_named(prediction, "door").pivot)
 
 
+def test_resetting_keeps_the_parts_and_the_parent_of_a_body(tmp_path: Path) -> None:
+    corrections = Corrections.of(cabinet_prediction(tmp_path).with_overrides({"bodies": {"door": {"parts": ["door", "knob"]}}}))
+    corrections.set_name("door", "flap")
+    corrections.flip("door")
+    corrections.reset("door")
+    assert corrections.table == {"bodies": {"door": {"parts": ["door", "knob"]}}}
+
+
 def test_a_wrong_change_changes_nothing(tmp_path: Path) -> None:
     corrections = Corrections.of(cabinet_prediction(tmp_path))
     corrections.choose("door", 2)

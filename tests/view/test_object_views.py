@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -44,6 +46,13 @@ def test_results_robots_and_folders_can_be_shown(what: str, result: Path, tmp_pa
     path = result / what if what else result.parent
     code, out, _ = run("view", str(path), "--html", str(tmp_path / "page.html"), "--quiet")
     assert (code, out) == (0, f"{tmp_path / 'page.html'}\n")
+
+
+def test_results_of_one_shape_are_told_apart(result: Path, tmp_path: Path) -> None:
+    for place in ("a", "deep/b"):
+        shutil.copytree(result, tmp_path / "results" / place)
+    code, out, _ = run("view", str(tmp_path / "results"), "--html", str(tmp_path / "page.html"), "--json")
+    assert code == 0 and json.loads(out)["objects"] == ["a", "deep/b"]
 
 
 def test_a_broken_file_is_one_line(tmp_path: Path) -> None:

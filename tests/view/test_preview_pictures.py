@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,11 +13,13 @@ from textured_files import factor_alone, vertex_colors
 import kinmo
 from kinmo.core.errors import InputError
 from kinmo.core.shape import Shape
-from kinmo.view import preview
+from kinmo.view import preview, preview_pictures
 from kinmo.view.body_colors import RESTING
 from kinmo.view.object_scene import ObjectScene
+from kinmo.view.picture_raster import Camera
 from kinmo.view.preview_pictures import Preview, PreviewColors, PreviewStyle
 from kinmo.view.scene_building import scene_of
+from kinmo.view.surface_raster import Fragments, SurfaceRaster
 
 SIZE = 96
 PLAIN = PreviewStyle(SIZE, has_axes=False, has_shadow=False, background=None)
@@ -100,6 +103,21 @@ def test_looks_are_drawn_if_they_tell_parts_apart(tmp_path: Path) -> None:
     assert colors_in(many, "auto") == colors_in(many, "looks")
     assert len(colors_in(many, "looks")) > 20 > len(colors_in(many, "bodies"))
     assert colors_in(one, "auto") == colors_in(one, "bodies") != colors_in(one, "looks")
+
+
+def test_large_pictures_have_fewer_samples(scene: ObjectScene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(preview_pictures, "MAX_SAMPLES", 100)
+    seen = []
+    render = SurfaceRaster.render
+
+    def watched(raster: SurfaceRaster, camera: Camera, poses: np.ndarray, samples: int, *more: Any) -> Fragments:
+        seen.append(samples)
+        return render(raster, camera, poses, samples, *more)
+
+    monkeypatch.setattr(SurfaceRaster, "render", watched)
+    for size in (20, 50, 101):
+        Preview(scene, PreviewStyle(size=size, has_axes=False, colors="bodies")).strip([{}])
+    assert seen == [3, 2, 1]
 
 
 def test_unknown_colours_are_an_error(scene: ObjectScene) -> None:

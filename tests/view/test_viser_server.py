@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 import sys
+import time
 from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -20,6 +24,7 @@ pytest.importorskip("viser", reason="viser is not installed")
 from kinmo.view.viser_server import ObjectServer
 
 DOOR, KNOB, FRONT = 1, 2, 3
+NAMES = ("door", "knob", "front")
 PORT = 18234
 
 
@@ -70,6 +75,61 @@ def test_name_type_and_range_are_corrected_together(server: ObjectServer, result
     assert controls.slider.max == pytest.approx(0.35) and controls.folder.label.startswith("drawer: slider")
     server.panels.attempt(server.panels.save)
     assert read_overrides(result / OVERRIDES_FILE).table == {"bodies": {"front": {"range": [0.0, 0.35], "name": "drawer"}}}
+
+
+@pytest.mark.parametrize("upper", [0.012345, 0.345678])
+def test_a_new_name_leaves_the_range(upper: float, server: ObjectServer) -> None:
+    assert server.corrections is not None
+    server.panels.correct(lambda: server.corrections.set_range("front", 0.0, upper))
+    controls = row(server, FRONT)
+    assert controls.range.value == pytest.approx((0.0, upper), rel=1e-3)
+    controls.name.value = "drawer"
+    server.panels.correct(controls.apply)
+    assert server.corrections.table == {"bodies": {"front": {"range": [0.0, upper], "name": "drawer"}}}
+
+
+def test_a_range_is_taken_with_a_new_type(server: ObjectServer) -> None:
+    controls = row(server, DOOR)
+    controls.type.value, controls.range.value = "slider", (0.0, 0.07)
+    server.panels.correct(controls.apply)
+    assert server.corrections is not None
+    assert server.corrections.table == {"bodies": {"door": {"type": "slider", "range": [0.0, 0.07]}}}
+
+
+def test_corrections_at_the_same_time_are_all_kept(server: ObjectServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    corrections = server.corrections
+    assert corrections is not None
+    change = type(corrections)._change
+
+    def slow(*arguments: object) -> None:
+        before = dict(corrections.table)
+        time.sleep(0.1)
+        assert corrections.table == before
+        change(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(type(corrections), "_change", slow)
+    people = [Thread(target=server.panels.correct, args=[partial(corrections.set_name, name, f"new_{name}")]) for name in NAMES]
+    for person in people:
+        person.start()
+    for person in people:
+        person.join()
+    assert corrections.table == {"bodies": {name: {"name": f"new_{name}"} for name in NAMES}}
+
+
+def test_hidden_axes_stay_hidden_after_a_correction(server: ObjectServer) -> None:
+    server.set_axes(False)
+    server.panels.correct(row(server, DOOR).reset)
+    assert not any(arrow.visible for arrow in server._arrows if arrow is not None)
+
+
+def test_words_of_a_file_are_no_markup(result: Path) -> None:
+    prediction = kinmo.Prediction.load(result)
+    shape = replace(prediction.shape, category="<img src=x>")
+    made = ObjectServer(replace(prediction, shape=shape), port=PORT + 2)
+    try:
+        assert "\\<img src=x\\>" in made.panels.facts.content
+    finally:
+        made.stop()
 
 
 def test_a_wrong_range_is_told_and_taken_back(server: ObjectServer) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,16 +23,19 @@ MIN_EXTENT = 1e-3
 MIN_THICKNESS = 0.1 * MIN_EXTENT
 """Least mean thickness of a solid, in metres: twice its volume over its area."""
 _BALL = Inertial(MIN_MASS, np.zeros(3), MIN_MASS / 6.0 * MIN_EXTENT**2 * np.eye(3))
-"""A link without parts."""
+"""A link without parts, at the origin."""
 
 
-def inertial_of(meshes: Sequence[Mesh], densities: Sequence[float] | None = None) -> Inertial:
-    """Mass and inertia of a link with some parts, or of a tiny ball at the origin if it has none.
+def inertial_of(meshes: Sequence[Mesh], densities: Sequence[float] | None = None, center: Vector | None = None) -> Inertial:
+    """Mass and inertia of a link with some parts, or of a tiny ball if it has none.
 
     Args:
         meshes: The parts.
         densities: Density of each part in kg/m3. None for `DENSITY`.
+        center: Place of the ball. None for the origin.
     """
+    if not meshes and center is not None:
+        return replace(_BALL, center=center)
     return joined(_inertial(mesh, density) for mesh, density in zip(meshes, densities or [DENSITY] * len(meshes), strict=True))
 
 

@@ -67,10 +67,10 @@ def build_robot(
                 joints.append(_joint(own, kind, parent, len(links), axis, limits, physics))
                 if not is_last:
                     parent = len(links)
-                    links.append(RobotLink(link.slide_link, origin, (), (), inertial_of([])))
+                    links.append(RobotLink(link.slide_link, origin, (), (), inertial_of([], center=origin)))
         place[index] = len(links)
         densities = [physics.density_of(shape.parts[leaf].name) for leaf in meshes]
-        links.append(RobotLink(link.name, origin, visuals, (), inertial_of(list(meshes.values()), densities)))
+        links.append(RobotLink(link.name, origin, visuals, (), inertial_of(list(meshes.values()), densities, origin)))
     colliding, notes = _with_collisions(links, diagonal, collision)
     if np.linalg.norm(shape.center) > MAX_DISTANCE * shape.diagonal:
         notes = (*notes, FAR_NOTE)

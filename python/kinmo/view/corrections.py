@@ -81,8 +81,8 @@ class Corrections:
             self._change(key, {"flip": True})
 
     def reset(self, key: str) -> None:
-        """Remove all corrections of a body."""
-        self._change(key, {}, tuple(self.entry(key)))
+        """Remove the corrections of the joint and the name of a body. Its parts and its parent stay."""
+        self._change(key, {}, (*_OF_JOINT, "name"))
 
     @property
     def text(self) -> str:

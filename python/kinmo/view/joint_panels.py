@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from kinmo.core.errors import KinmoError
@@ -22,6 +23,8 @@ MAX_OPEN = 6
 """Largest number of joints whose folders are open at the start."""
 STEPS = 200
 """Steps of a slider."""
+DIGITS = 4
+"""Digits of the width of a range."""
 SECONDS = 4.0
 """Time in which an animation opens and closes a joint."""
 FRAMES_PER_SECOND = 30
@@ -33,14 +36,15 @@ class JointPanels:
     def __init__(self, page: ObjectServer) -> None:
         self.page = page
         self.gui = page.server.gui
-        self._is_filling = False  # True while values are set by the program and not by a person
+        self._lock = threading.RLock()  # viser calls in several threads
+        self._own = threading.local()  # `is_filling` while this thread sets values, and not a person
         self._player: threading.Thread | None = None
         self._build()
 
     def _build(self) -> None:
         page, gui = self.page, self.gui
         gui.configure_theme(control_layout="floating", control_width="medium", show_logo=False, show_share_button=False)
-        self.facts = gui.add_markdown(f"**{_escaped(page.scene.name)}**  \n{page.scene.facts}")
+        self.facts = gui.add_markdown(f"**{_escaped(page.scene.name)}**  \n{_escaped(page.scene.facts)}")
         buttons = gui.add_button_group("Move", ("Play all", "Reset"))
         buttons.on_click(lambda _: self.play() if buttons.value == "Play all" else self.reset())
         axes = gui.add_checkbox("Axes", True)
@@ -74,7 +78,7 @@ class JointPanels:
     def correct(self, action: Callable[[], None]) -> None:
         """Change the corrections, and show the corrected joints. A wrong change is taken back."""
         corrections = self.page.corrections
-        if self._is_filling or corrections is None:
+        if self.is_filling or corrections is None:
             return
 
         def change() -> str:
@@ -82,17 +86,25 @@ class JointPanels:
             self.page.correct(scene_of(corrections.prediction))
             return "Not saved yet: press *Save corrections*." if corrections.folder else "Corrected."
 
-        self.attempt(change)
-        self.fill()
+        with self._lock:
+            self.attempt(change)
+            self.fill()
 
     def fill(self) -> None:
         """Show the present state in all controls."""
-        self._is_filling = True
-        try:
+        with self.filling():
             for row in self.rows.values():
                 row.fill()
+
+    @contextmanager
+    def filling(self) -> Iterator[None]:
+        """While values that this thread sets are not those of a person."""
+        before = self.is_filling
+        self._own.is_filling = True
+        try:
+            yield
         finally:
-            self._is_filling = False
+            self._own.is_filling = before
 
     def reset(self) -> None:
         """Move all joints to the pose of the file."""
@@ -123,11 +135,13 @@ class JointPanels:
     def save(self) -> str:
         """Write overrides.toml. Returns a line about it."""
         assert self.page.corrections is not None
-        return _escaped(self.page.corrections.save())
+        with self._lock:
+            return _escaped(self.page.corrections.save())
 
     @property
     def is_filling(self) -> bool:
-        return self._is_filling
+        """True while this thread sets values."""
+        return getattr(self._own, "is_filling", False)
 
 
 class JointRow:
@@ -145,10 +159,8 @@ class JointRow:
             self.choice.on_update(lambda _: self.chosen())
             if self.body.key is not None and self.page.corrections is not None:
                 self._add_corrections()
-        panels_filling = panels.is_filling
-        panels._is_filling = True
-        self.fill()
-        panels._is_filling = panels_filling
+        with panels.filling():
+            self.fill()
 
     def _add_corrections(self) -> None:
         gui, key, corrections = self.panels.gui, str(self.body.key), self.page.corrections
@@ -160,7 +172,7 @@ class JointRow:
             self.range = gui.add_vector2("range", (0.0, 1.0), step=0.001)
             apply = gui.add_button("Apply name, type and range")
             flip = gui.add_button("Open the other way")
-            reset = gui.add_button("As predicted")
+            reset = gui.add_button("As predicted", hint="Takes back the corrections of the joint and the name")
         apply.on_click(lambda _: correct(self.apply))
         flip.on_click(lambda _: correct(lambda: corrections.flip(key)))
         reset.on_click(lambda _: correct(self.reset))
@@ -200,9 +212,13 @@ class JointRow:
             return
         self.name.value, self.type.value = body.name, self._type
         if body.joint is not None and body.joint.lower is not None:
-            self.range.value = tuple(round(self._factor * end, 4) for end in self.page.scene.range_of(self.index))
+            lower, upper = (self._factor * end for end in self.page.scene.range_of(self.index))
+            decimals = min(max(DIGITS - math.ceil(math.log10(upper - lower)), 0), 9) if upper > lower else DIGITS
+            self.range.precision, self.range.step = decimals, 10.0**-decimals
+            self.range.value = (round(lower, decimals), round(upper, decimals))
         else:
             self.range.value = (0.0, 0.0)
+        self._shown_range = self.range.value
 
     def move(self, value: float) -> None:
         """Move the joint to a value, in radians or lengths."""
@@ -210,7 +226,7 @@ class JointRow:
             self.slider.value = self._factor * value
 
     def reset(self) -> None:
-        """Take back all corrections of the body."""
+        """Take back the corrections of the joint and the name."""
         if self.page.corrections is not None:
             self.page.corrections.reset(str(self.body.key))
 
@@ -231,13 +247,12 @@ class JointRow:
         """Take the name, the type and the range of the fields."""
         corrections, key = self.page.corrections, str(self.body.key)
         assert corrections is not None
-        if self.type.value != self._type:
-            corrections.set_type(key, self.type.value)
-        elif self.body.joint is not None:
-            lower, upper = self.range.value
-            old = [self._factor * end for end in self.page.scene.range_of(self.index)]
-            if (lower, upper) != (0.0, 0.0) and max(abs(lower - old[0]), abs(upper - old[1])) > 1e-3 * (old[1] - old[0]):
-                corrections.set_range(key, float(lower), float(upper))
+        kind = self.type.value
+        if kind != self._type:
+            corrections.set_type(key, kind)
+        lower, upper = self.range.value
+        if kind != FIXED and (lower, upper) not in (self._shown_range, (0.0, 0.0)):
+            corrections.set_range(key, float(lower), float(upper))
         if self.name.value != self.body.name:
             corrections.set_name(key, self.name.value)
 

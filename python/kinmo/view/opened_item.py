@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from kinmo.api.load import load
@@ -29,10 +29,12 @@ class OpenedItem:
     Attributes:
         item: the prediction, or the shape with its own joints.
         folder: the folder with joints.json. None for other files.
+        name: what tells it from the other items. Empty for the id of the shape, which several results may have.
     """
 
     item: Prediction | Shape
     folder: Path | None = None
+    name: str = ""
 
     def note_repairs(self, observer: Observer) -> None:
         """Show what the reader of the shape had to repair, in one line."""
@@ -42,9 +44,9 @@ class OpenedItem:
 
     def scene(self) -> ObjectScene:
         """The scene, with the corrections of an overrides.toml in the folder."""
-        if isinstance(self.item, Shape):
-            return scene_of(self.item)
-        return scene_of(Corrections.of(self.item, self.folder).prediction)
+        item = self.item if isinstance(self.item, Shape) else Corrections.of(self.item, self.folder).prediction
+        scene = scene_of(item)
+        return replace(scene, name=self.name) if self.name else scene
 
 
 def open_items(path: Path, source: Path | None = None) -> list[OpenedItem]:
@@ -66,7 +68,7 @@ def open_items(path: Path, source: Path | None = None) -> list[OpenedItem]:
     if source is not None and len(folders) != 1:
         raise InputError("--source", f"applies only to one result of kinmo predict; found {len(folders)} at {path}")
     if folders:
-        return [OpenedItem(Prediction.load(folder, source=source), folder) for folder in folders]
+        return [OpenedItem(Prediction.load(folder, source=source), folder, _name(folder, path)) for folder in folders]
     return [OpenedItem(load(path))]
 
 
@@ -81,3 +83,8 @@ def open_one(path: Path, source: Path | None = None) -> OpenedItem:
         names = ", ".join(str(folder) for folder in folders[:MAX_LISTED])
         raise InputError(path, f"has {len(folders)} results: name one of them, such as {names}")
     return open_items(path, source)[0]
+
+
+def _name(folder: Path, root: Path) -> str:
+    """The path of a result below the folder that was opened, or the name of that folder."""
+    return clean_text(folder.resolve().name if folder == root else str(folder.relative_to(root)))

@@ -26,6 +26,8 @@ F64 = NDArray[np.float64]
 PreviewColors = Literal["auto", "looks", "bodies"]
 """Colours of pictures: looks are those of the file, bodies one for each body, auto looks if they tell parts apart."""
 UP = np.array([0.0, 1.0, 0.0])
+MAX_SAMPLES = 4096
+"""Largest number of samples along a side of a picture. So many take 3 GB."""
 GAP = 0.04
 """Distance between the pictures of a strip, as a share of their size."""
 AXIS_RADIUS, HEAD_RADIUS, HEAD_LENGTH = 0.006, 0.018, 0.055
@@ -44,7 +46,7 @@ class PreviewStyle:
         size: height of each picture in pixels.
         has_axes: True to draw the axes of the joints.
         has_shadow: True for a shadow on the ground.
-        samples: samples along each side of a pixel.
+        samples: samples along each side of a pixel; less in large pictures (`MAX_SAMPLES`).
         colors: colours of the surfaces.
         background: colour [3] behind the object, in 0..255. None for transparent pictures.
     """
@@ -71,6 +73,7 @@ class Preview:
 
     def __init__(self, scene: ObjectScene, style: PreviewStyle = PreviewStyle(), note: Note = lambda line: None) -> None:
         self.scene, self.style = scene, style
+        self._samples = max(1, min(style.samples, MAX_SAMPLES // style.size))
         self._owners = [(index, leaf) for index, body in enumerate(scene.bodies) for leaf in body.leaves]
         meshes = [scene.meshes[leaf] for _, leaf in self._owners]
         self._surfaces = SurfaceRaster(meshes)
@@ -155,16 +158,16 @@ class Preview:
         own = moved[[index for index, _ in self._owners]]
         ranks = [index + 1 if index in self._moving else 0 for index, _ in self._owners]
         if self._looks is None or is_grey:
-            seen = self._surfaces.render(camera, own, self.style.samples, ranks)
+            seen = self._surfaces.render(camera, own, self._samples, ranks)
             colors = [(*(RESTING if is_grey else self.scene.bodies[index].color), 1.0) for index, _ in self._owners]
             image = lit(seen, np.array(colors)[seen.parts[seen.is_seen]], [index for index, _ in self._owners])
         else:
-            image, seen = self._looks.draw(camera, own, self.style.samples, ranks)
+            image, seen = self._looks.draw(camera, own, self._samples, ranks)
         if self._moving and self.style.has_axes and not is_grey:
             above = moved[[self._parent(index) for index in self._moving]]
             tones = AXIS_SHADE * np.array([self.scene.bodies[index].color for index in self._moving])
-            image = with_axes(image, seen, self._axes.render(camera, above, self.style.samples), tones)
-        picture = Image.fromarray(pixels(image, self.style.samples))
+            image = with_axes(image, seen, self._axes.render(camera, above, self._samples), tones)
+        picture = Image.fromarray(pixels(image, self._samples))
         if not self.style.has_shadow:
             return picture
         below = Image.fromarray(shadow(self._surfaces, own, camera, float(self.scene.bounds[0] @ UP), UP))

@@ -67,6 +67,7 @@ class ObjectServer:
         self.url = f"http://{shown}:{self.server.get_port()}"
         self.nodes: list[list[Any]] = []
         self._arrows: list[Any] = []
+        self._has_axes = True
         self._build_scene()
         self.panels = JointPanels(self)
         self.show()
@@ -121,6 +122,7 @@ class ObjectServer:
     def set_axes(self, has_axes: bool) -> None:
         """Show or hide the axes."""
         with self._lock:
+            self._has_axes = has_axes
             for arrow in self._arrows:
                 if arrow is not None:
                     arrow.visible = has_axes
@@ -160,7 +162,7 @@ class ObjectServer:
         points = self._scale * self.scene.axis_ends(index)[None]
         color = tuple(round(120 * each) for each in self.scene.bodies[index].color)
         size = {"shaft_radius": 0.012, "head_radius": 0.032, "head_length": 0.09}
-        return self.server.scene.add_arrows(f"/axes/{index}", points, color, **size)
+        return self.server.scene.add_arrows(f"/axes/{index}", points, color, visible=self._has_axes, **size)
 
     def _place(self, node: Any, pose: NDArray[np.float64]) -> None:
         """Move a node that has scaled geometry."""

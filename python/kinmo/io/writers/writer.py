@@ -8,12 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
-from kinmo.core.errors import InputError
+from kinmo.core.errors import InputError, did_you_mean
 from kinmo.core.mobility import Mobility
 from kinmo.core.shape import Shape
 from kinmo.core.shape_estimate import PredictionProvenance, ShapeEstimate
 from kinmo.core.wording import clean_text
-from kinmo.robot.collision_geometry import CollisionMode
+from kinmo.robot.collision_geometry import COLLISION_MODES, CollisionMode
 from kinmo.robot.physics import Physics
 from kinmo.robot.robot import Robot
 from kinmo.robot.robot_builder import build_robot
@@ -51,6 +51,9 @@ class ExportOptions:
     def __post_init__(self) -> None:
         if not is_file_name(self.name):
             raise InputError("name", f"expected a file name without folders, got {clean_text(self.name) or 'nothing'}")
+        if self.collision not in COLLISION_MODES:
+            given, modes = clean_text(str(self.collision)), ", ".join(COLLISION_MODES)
+            raise InputError("collision", f"expected one of {modes}, got {given}{did_you_mean(given, COLLISION_MODES)}")
 
 
 @dataclass(frozen=True, eq=False)
