@@ -74,13 +74,15 @@ def test_copies_with_labels_in_several_splits_count_only_as_tests(tmp_path):
     assert ids(dataset.copies) == {names[Split.TRAIN], names[Split.VALIDATION]}
 
 
-def test_an_oracle_shape_that_looks_like_a_test_shape_gets_no_label(tmp_path):
-    held, test = (next(f"{letter}-{i}" for i in range(99) if split_of(f"{letter}-{i}") is split)
-                  for letter, split in (("a", Split.TRAIN), ("b", Split.TEST)))  # fmt: skip
-    made = workspace(tmp_path, [entry(held, oracle=True, geometry="same"), entry(test, geometry="same")])
-    dataset = open_dataset(made)
-    assert ids(dataset.oracle) == {held}
-    assert not dataset.unlabelled
+@pytest.mark.parametrize("split", [Split.TEST, Split.VALIDATION])
+@pytest.mark.parametrize("category", ["Box", "Case"])
+def test_an_oracle_shape_that_looks_like_a_held_out_shape_is_not_used(tmp_path, split, category):
+    held, test = (next(f"{letter}-{i}" for i in range(99) if split_of(f"{letter}-{i}") is own)
+                  for letter, own in (("a", Split.TRAIN), ("b", split)))  # fmt: skip
+    made = [entry(held, oracle=True, geometry="same"), entry(test, category=category, geometry="same")]
+    dataset = open_dataset(workspace(tmp_path, made), "Box")
+    assert not dataset.oracle and not dataset.unlabelled
+    assert ids(dataset.copies) == {held}
 
 
 def test_the_fingerprint_changes_with_every_shape(entries):

@@ -10,6 +10,7 @@ import pytest
 from small_shapes import cabinet
 
 from kinmo.config import load_config
+from kinmo.core.errors import InputError
 from kinmo.core.motion_types import CoarseType, MotionType
 from kinmo.learning.motion_gnn.gnn_predictor import MotionGnnPredictor
 from kinmo.learning.motion_gnn.gnn_training import train_motion_gnn
@@ -55,6 +56,15 @@ def test_hidden_names_do_not_change_predictions(predictor: MotionGnnPredictor) -
     assert not np.allclose(
         predictor.predict_edges(shape).type_probabilities, predictor.predict_edges(renamed).type_probabilities
     )
+
+
+@pytest.mark.parametrize("role", ["training", "validation"])
+def test_without_an_edge_to_learn_from_the_message_names_the_shapes(role: str, tmp_path: Path) -> None:
+    shapes = {"training": [cabinet(0)], "validation": [cabinet(1)]}
+    config = replace(SMALL.gnn, edges="contact", contact=0.5)
+    shapes[role] = [replace(shape, edge_distances=np.ones_like(shape.edge_distances)) for shape in shapes[role]]
+    with pytest.raises(InputError, match=f"^{role} shapes: expected a shape with two parts in contact"):
+        train_motion_gnn(shapes["training"], shapes["validation"], config, tmp_path, device="cpu")
 
 
 def test_edges_without_contact_are_none_for_a_contact_network(tmp_path: Path) -> None:

@@ -15,9 +15,13 @@ from typer.testing import CliRunner
 from kinmo.cli.app import app
 from kinmo.core.errors import InputError
 from kinmo.dataset.shape_dataset import open_dataset
+from kinmo.dataset.stage import Observer, Outcome, Plan
 from kinmo.dataset.workspace import Workspace
-from kinmo.pipeline.scans.render_scans import USED_SHARE
+from kinmo.pipeline.pseudo_label_shapes import PseudoLabel
+from kinmo.pipeline.scans.render_scans import USED_SHARE, RenderScans
+from kinmo.pipeline.scans.train_scans import TrainScans
 from kinmo.pipeline.train_all import NO_CATEGORY, NO_LABELS, TrainAll
+from kinmo.pipeline.train_motion import TrainMotion
 
 
 def new_workspace(scanned: Scanned, folder: Path) -> Workspace:
@@ -73,6 +77,26 @@ def test_without_one_of_the_papers_categories_scans_are_skipped_with_a_note(scan
     recorder = Recorder()
     stage.run(recorder)
     assert NO_CATEGORY in recorder.notes
+
+
+def test_a_category_that_cannot_be_trained_stops_no_other(scanned: Scanned, monkeypatch: pytest.MonkeyPatch) -> None:
+    trained = []
+
+    def train(stage: TrainScans, observer: Observer) -> Outcome:
+        if stage.category == "Refrigerator":
+            raise InputError(stage.workspace.scans, "expected scans of a labelled shape to train on")
+        trained.append(stage.category)
+        return Outcome(None, {}, "")
+
+    for kind in (TrainMotion, PseudoLabel, RenderScans):
+        monkeypatch.setattr(kind, "run", lambda stage, observer: Outcome(None, {}, ""))
+    monkeypatch.setattr(TrainScans, "run", train)
+    monkeypatch.setattr(TrainAll, "plan", lambda stage: Plan((), 0.0))
+    monkeypatch.setattr(TrainAll, "_categories", lambda stage, dataset: ["Refrigerator", CATEGORY])
+    recorder = Recorder()
+    outcome = TrainAll(scanned.workspace, scanned.config, device="cpu").run(recorder)
+    assert trained == [CATEGORY] and outcome.failed == 1
+    assert f"Refrigerator: skipped: {scanned.workspace.scans}: expected scans of a labelled shape to train on" in recorder.notes
 
 
 def test_an_unknown_category_is_refused(scanned: Scanned) -> None:

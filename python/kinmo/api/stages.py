@@ -106,6 +106,11 @@ def train(
     return stage.run(observer or SilentObserver())
 
 
+def start_workspace(start: Path | str | None) -> Workspace | None:
+    """The workspace that training continues from: a folder, or `shipped` for the networks that come with kinmo."""
+    return None if start is None else Workspace(SHIPPED if str(start) == "shipped" else start)
+
+
 def train_stage(
     networks: Networks,
     workspace: Path | str,
@@ -121,7 +126,7 @@ def train_stage(
     """The stage that `train` runs. Raises InputError for unknown names, and for networks for scans with a `start`."""
     _check_name("method", method, METHOD_MODELS)
     place, count = Workspace(workspace), worker_count(workers)
-    origin = None if start is None else Workspace(SHIPPED if str(start) == "shipped" else start)
+    origin = start_workspace(start)
     if networks == "all":
         from kinmo.pipeline.train_all import TrainAll
 

@@ -50,6 +50,7 @@ def table(
         kinmo table 3 --hours 4
         kinmo table 2 --category laptop --from many
     """
+    from kinmo.api.stages import start_workspace
     from kinmo.dataset.workspace import Workspace
     from kinmo.experiments.scan_tables.make_table import MakeTable
 
@@ -71,7 +72,7 @@ def table(
         seed=options.seed,
         device=options.device,
         workers=options.worker_count,
-        start=None if start is None else Workspace(start),
+        start=start_workspace(start),
         details=details,
     )
     execute(options, stage)

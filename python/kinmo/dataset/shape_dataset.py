@@ -24,8 +24,8 @@ class ShapeDataset:
         labelled: labelled shapes by split.
         unlabelled: shapes to pseudo-label: those without labels, and those with oracle labels, unless such a shape has an
             unlabelled copy, which then stands for it.
-        copies: copies of labelled shapes that are not used: unlabelled ones, and labelled ones whose original is in another
-            split.
+        copies: copies of labelled shapes that are not used: unlabelled ones, labelled ones whose original is in another
+            split, and shapes with oracle labels whose original is a validation or test shape.
         oracle: shapes with oracle labels that could be trained on.
         oracle_ids: id of the shape with the oracle label, by id and layout, for that shape and its copies.
     """
@@ -71,11 +71,12 @@ def open_dataset(workspace: Workspace, category: str | None = None) -> ShapeData
     unlabelled = [entry for entry in entries if not entry.is_labelled]
     all_labelled = [entry for entry in store.entries if entry.is_labelled]
     originals, copies = _without_copies(unlabelled, all_labelled, {entry.id for entry in is_oracle})
-    oracle = tuple(entry for entry in labelled if entry in is_oracle)
     known = [entry for entry in all_labelled if entry not in is_oracle]
+    held_out = [entry for entry in known if split_of(entry.id) is not Split.TRAIN]
+    oracle, seen = _without_copies([entry for entry in labelled if entry in is_oracle], held_out)
     to_label = originals + _without_copies(oracle, (*known, *originals))[0]
     spelling = None if category is None else min(entry.category for entry in entries)
-    return ShapeDataset(store, spelling, by_split, to_label, copies + twice, oracle, _oracle_ids(to_label, oracle))
+    return ShapeDataset(store, spelling, by_split, to_label, copies + twice + seen, oracle, _oracle_ids(to_label, oracle))
 
 
 def _has_oracle_labels(entry: IndexEntry) -> bool:

@@ -7,12 +7,14 @@ from typing import Any, Literal
 
 import torch
 from torch import Tensor, nn
-from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler, StepLR
+from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler, OneCycleLR, StepLR
 
 from kinmo.config import TrainingConfig
 
 MONITOR = "validation/error"
 """Metric that decides which epoch is the best: the one with the least value."""
+WARM_UP = 0.1
+"""Share of the steps of a cycle in which the learning rate rises."""
 
 
 class Learner(nn.Module):
@@ -80,3 +82,9 @@ def mixed_dtype(config: TrainingConfig, device_type: str) -> torch.dtype | None:
     if config.precision == "32-true":
         return None
     return torch.half if config.precision == "16-mixed" and device_type != "cpu" else torch.bfloat16
+
+
+def one_cycle(optimizer: torch.optim.Optimizer, rate: float, steps: int) -> LRScheduler:
+    """A learning rate that rises to `rate` and falls again, once in a training of some steps."""
+    total = steps + 1
+    return OneCycleLR(optimizer, rate, total_steps=total, pct_start=max(WARM_UP, 2.0 / total))  # it needs a rising step

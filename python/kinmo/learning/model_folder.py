@@ -71,15 +71,16 @@ class ModelFolder:
         return found
 
     def digest(self, models: tuple[str, ...]) -> str:
-        """Hash of all weights of several models; empty if one of them was never trained."""
-        found: dict[str, str] = {}
+        """Hash of all weights of several models and of their configurations; empty if one of them was never trained."""
+        found: dict[str, Any] = {}
         for model in models:
             headers = sorted(self.folder(model).rglob(HEADER))
             if not headers:
                 return ""
             for path in headers:
                 with expecting("a header of weights", path):
-                    found[str(path.relative_to(self.path))] = _header(path)["sha256"]
+                    header = _header(path)
+                    found[str(path.relative_to(self.path))] = [header["sha256"], header["config"]]
         return digest(found)
 
     def seeds(self, models: tuple[str, ...]) -> tuple[int, ...]:

@@ -103,14 +103,16 @@ class Method(ABC):
 
 
 def load_network(load: Callable[..., Any], weights: Path, *options: object) -> Any:
-    """Network that `load(weights, *options)` reads. It stays in memory until its file changes.
+    """Network that `load(weights, *options)` reads. It stays in memory until its file or the header beside it changes.
 
     Raises:
         InputError: The file is not a whole file of such weights.
     """
-    return _load_network(load, weights, weights.stat().st_mtime_ns, *options)
+    header = weights.with_suffix(".json")
+    written = tuple(path.stat().st_mtime_ns for path in (weights, header) if path.exists())
+    return _load_network(load, weights, written, *options)
 
 
 @lru_cache(maxsize=CACHED_NETWORKS)
-def _load_network(load: Callable[..., Any], weights: Path, written: int, *options: object) -> Any:
+def _load_network(load: Callable[..., Any], weights: Path, written: tuple[int, ...], *options: object) -> Any:
     return load(weights, *options)

@@ -74,7 +74,14 @@ class TrainAll:
                 trains_scans = True
                 if stage.setting == "supervised" and open_dataset(self.workspace, stage.category).unlabelled:
                     observer.note(f"{stage.category}: {NO_LABELS}")
-            outcome = stage.run(observer)
+            try:
+                outcome = stage.run(observer)
+            except InputError as error:
+                if self.category is not None or not isinstance(stage, (RenderScans, TrainScans)):
+                    raise
+                observer.problem(f"{stage.category}: skipped: {error}")  # the other categories do not depend on it
+                failed += 1
+                continue
             texts.append(outcome.text)
             failed += outcome.failed
             if isinstance(stage, (TrainMotion, TrainScans)):

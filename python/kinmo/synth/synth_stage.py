@@ -67,8 +67,8 @@ class Synth:
     def _specs(self) -> Iterator[ShapeSpec]:
         return shape_specs(
             self.count,
-            families=self.families or None,
-            layouts=self.layouts or tuple(WRITERS),
+            families=tuple(dict.fromkeys(self.families)) or None,
+            layouts=tuple(dict.fromkeys(self.layouts or WRITERS)),
             seed=self.seed,
             parameter_range=self.parameter_range,
             oracle=self.oracle,

@@ -131,7 +131,7 @@ class Report:
         return Section("Data", tables=[Table("Prepared shapes by category and use", ("category", *uses), rows, note)])
 
     def _tables(self) -> Iterator[Section]:
-        categories = tuple(sorted({entry.category for entry in PreparedStore(self.workspace.prepared).entries}))
+        categories = tuple(sorted({entry.category for entry in PreparedStore(self.workspace.prepared).entries} - {""}))
         for evaluated in evaluation_folders(self.workspace, categories):
             of = "" if evaluated.category is None else f", {evaluated.category}"
             if not evaluated.is_current:

@@ -116,6 +116,15 @@ def test_only_the_roles_that_are_asked_for_are_scanned_beside_labelled_objects(s
     assert open_scan_dataset(made.workspace, CATEGORY).files["oracle"], "scans of roles that are not asked for stay"
 
 
+def test_a_role_whose_outdated_scans_are_removed_is_no_longer_complete(scanned: Scanned, tmp_path: Path) -> None:
+    made = scanned.copied(tmp_path)
+    assert open_scan_dataset(made.workspace, CATEGORY).files["unlabelled"]
+    made.render(seed=1).run(Recorder())
+    assert not list(made.scans("unlabelled"))
+    assert COMPLETE not in Cache(scans_folder(made.workspace, CATEGORY, "unlabelled"))
+    assert COMPLETE in Cache(scans_folder(made.workspace, CATEGORY, "train"))
+
+
 def test_an_object_that_cannot_be_scanned_has_a_reason_and_is_not_tried_again(scanned: Scanned, tmp_path: Path) -> None:
     made, observer = scanned.copied(tmp_path).changed(tmp_path, "[scans]", "[scans]\nsmallest_part = 1.0"), Recorder()
     found = made.render().run(observer)

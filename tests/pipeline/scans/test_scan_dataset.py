@@ -12,6 +12,7 @@ from trained_workspace import Recorder
 
 from kinmo.core.errors import InputError
 from kinmo.dataset.cache import Cache
+from kinmo.dataset.store import PreparedStore, write_index
 from kinmo.io.readers import DSG_NET
 from kinmo.pipeline.scans.scan_dataset import open_scan_dataset, scans_folder
 from kinmo.scans.files.scan_file import ScanFile, count_objects
@@ -39,6 +40,18 @@ def test_without_validation_objects_some_training_objects_take_their_place(scann
             path.unlink()
     files = open_scan_dataset(made.workspace, CATEGORY).files
     assert {file.id for file in files["train"]} == {file.id for file in files["validation"]} == {chosen}, "there are no others"
+
+
+def test_scans_of_shapes_that_lost_their_role_do_not_count(scanned: Scanned, tmp_path: Path) -> None:
+    made, _ = with_pseudo_labels(scanned, tmp_path)
+    made.render().run(Recorder())
+    before = open_scan_dataset(made.workspace, CATEGORY).files
+    gone = {role: before[role][0].object for role in ("train", "pseudo")}
+    entries = PreparedStore(made.workspace.prepared).entries
+    write_index(made.workspace.prepared, [entry for entry in entries if (entry.id, entry.layout) not in gone.values()])
+    after = open_scan_dataset(made.workspace, CATEGORY).files
+    for role, object_ in gone.items():
+        assert {file.object for file in after[role]} == {file.object for file in before[role]} - {object_}
 
 
 def test_generated_shapes_are_trained_on_only_without_other_pseudo_labels(scanned: Scanned, tmp_path: Path) -> None:

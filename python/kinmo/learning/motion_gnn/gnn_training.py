@@ -8,11 +8,12 @@ from pathlib import Path
 import torch
 
 from kinmo.config import GnnConfig
+from kinmo.core.errors import InputError
 from kinmo.core.motion_types import MotionType
 from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
 from kinmo.learning.learner import Learner
-from kinmo.learning.motion_gnn.gnn_batches import GraphData
+from kinmo.learning.motion_gnn.gnn_batches import GraphData, used_edges
 from kinmo.learning.motion_gnn.gnn_loss import class_weights, classes_of, edge_losses
 from kinmo.learning.motion_gnn.gnn_network import CLASSES, KIND, MotionGnn, TypeSet
 from kinmo.learning.motion_gnn.hierarchy_graph import GraphBatch
@@ -51,8 +52,13 @@ def train_motion_gnn(
         initial: Weights of an earlier training with the same sizes, to start from.
 
     Raises:
-        InputError: `initial` does not fit the configuration, or the training fails (`fit`).
+        InputError: `training` or `validation` has no edge to learn from, `initial` does not fit the configuration, or the
+            training fails (`fit`).
     """
+    for name, shapes in (("training", training), ("validation", validation)):
+        if not any(len(used_edges(shape, config)) for shape in shapes):
+            where = "below the same node" if config.edges == "siblings" else "in contact"
+            raise InputError(f"{name} shapes", f"expected a shape with two parts {where}")
     data = GraphData(training, validation, config)
     torch.manual_seed(seed)
     learner = GnnLearner(config, CLASSES[types], data.labels)

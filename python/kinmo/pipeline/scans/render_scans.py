@@ -255,16 +255,21 @@ class RenderScans:
         return RenderJob(found, entry.category, role, entry.layout, path, key)
 
     def _remove_stale(self, jobs: Collection[RenderJob], caches: ScanCaches) -> None:
-        """Remove scans in the folders of the categories at hand that belong to no finished job."""
+        """Remove scans in the folders of the categories at hand that belong to no finished job.
+
+        A folder that loses scans here is complete again only when its role is scanned.
+        """
         current = {job.path for job in jobs if caches.is_done(job)}
         for category in {job.category for job in jobs}:
             for role in ROLES:
                 cache = caches[scans_folder(self.workspace, category, role, self.method)]
                 names = {path.stem for path in current if path.parent == cache.folder}
                 cache.forget(*(name for name in cache if name not in names | {COMPLETE}))
-                for path in cache.folder.glob("*.safetensors"):
-                    if path not in current:
-                        path.unlink()
+                stale = [path for path in cache.folder.glob("*.safetensors") if path not in current]
+                if stale:
+                    cache.forget(COMPLETE)
+                for path in stale:
+                    path.unlink()
 
 
 def _is_wanted(category: str, wanted: str | None) -> bool:

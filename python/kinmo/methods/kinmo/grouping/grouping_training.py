@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch.optim.lr_scheduler import OneCycleLR
+from torch.optim.lr_scheduler import LRScheduler
 
 from kinmo.config import GroupingConfig
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.learning.learner import Learner, adam_options
+from kinmo.learning.learner import Learner, adam_options, one_cycle
 from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import load_weights, save_weights
 from kinmo.methods.kinmo.grouping.grouping_batches import GroupingBatch, collate_graphs
@@ -29,8 +29,6 @@ from kinmo.methods.kinmo.grouping.grouping_network import (
 )
 from kinmo.methods.kinmo.grouping.leaf_graph import LeafGraph, leaf_graph
 
-WARM_UP = 0.1
-"""Share of the steps in which the learning rate rises."""
 STANDARDIZATION_GRAPHS = 512
 """Largest number of graphs that mean and scale of the features are computed from."""
 VALIDATION_GRAPHS = 32
@@ -153,6 +151,6 @@ class GroupingLearner(Learner):
         """AdamW."""
         return torch.optim.AdamW(self.parameters(), **adam_options(self.training_config))
 
-    def make_schedule(self, optimizer: torch.optim.Optimizer) -> OneCycleLR:
+    def make_schedule(self, optimizer: torch.optim.Optimizer) -> LRScheduler:
         """One cycle of the learning rate over the whole training."""
-        return OneCycleLR(optimizer, self.training_config.learning_rate, total_steps=self.steps + 1, pct_start=WARM_UP)
+        return one_cycle(optimizer, self.training_config.learning_rate, self.steps)

@@ -12,13 +12,13 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import nn
-from torch.optim.lr_scheduler import OneCycleLR
+from torch.optim.lr_scheduler import LRScheduler
 
 from kinmo.config import RankingConfig
 from kinmo.core.errors import InputError
 from kinmo.core.typed_tables import to_table
 from kinmo.features.prepared_shape import PreparedShape
-from kinmo.learning.learner import Learner, adam_options
+from kinmo.learning.learner import Learner, adam_options, one_cycle
 from kinmo.learning.model_folder import networks_digest
 from kinmo.learning.training_loop import FitResult, Progress, fit
 from kinmo.learning.weights import Weights, load_weights, save_weights
@@ -35,8 +35,6 @@ from kinmo.methods.kinmo.ranking.ranking_network import (
 from kinmo.methods.kinmo.ranking.shape_views import ShapeView
 from kinmo.methods.kinmo.ranking.training_views import training_views
 
-WARM_UP = 0.1
-"""Share of the steps in which the learning rate rises."""
 STANDARDIZATION_VIEWS = 512
 """Largest number of views that mean and scale of the features are computed from."""
 VALIDATION_VIEWS = 16
@@ -182,8 +180,6 @@ class RankingLearner(Learner):
         """AdamW for all networks."""
         return torch.optim.AdamW(self.parameters(), **adam_options(self.training_config))
 
-    def make_schedule(self, optimizer: torch.optim.Optimizer) -> OneCycleLR:
+    def make_schedule(self, optimizer: torch.optim.Optimizer) -> LRScheduler:
         """One cycle of the learning rate over the whole training."""
-        rate = self.training_config.learning_rate
-        total = self.steps + 1
-        return OneCycleLR(optimizer, rate, total_steps=total, pct_start=max(WARM_UP, 2.0 / total))  # it needs a rising step
+        return one_cycle(optimizer, self.training_config.learning_rate, self.steps)
