@@ -79,7 +79,7 @@ FILES = {
     "300 pieces": partial(cabinet, 20_000, 300),
     "60 bowls": partial(bowls, 80_000, 61),
 }
-"""What makes the scene of each file."""
+"""Maker of the scene of each file."""
 QUICK = {"100,000 triangles": partial(cabinet, 10_000, 12)}
 
 

@@ -1,4 +1,4 @@
-"""What a learner has beside its network: its learning rate."""
+"""The learning rate of a learner: one cycle."""
 
 from __future__ import annotations
 

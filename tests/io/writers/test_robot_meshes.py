@@ -104,7 +104,7 @@ def glb_colors(folder: Path) -> list[tuple[float, ...]]:
 
 
 FORMATS = {"urdf": urdf_colors, "mjcf": mjcf_colors, "usd": usd_colors, "glb": glb_colors}
-"""What reads the colours of all parts from a file, by format."""
+"""Reader of the colours of all parts from a file, by format."""
 
 
 @pytest.mark.parametrize("make", [obj_with_two_colors, glb_with_two_colors_in_one_mesh])
