@@ -127,7 +127,7 @@ def test_python_blocks_of_documents_run(
         scanned: Scanned = request.getfixturevalue("scanned")
         write_points(Path("scan.npz"), open_scans(next(scanned.scans("test"))).read("points", 0))
         Path("workspace").symlink_to(scanned.workspace.path)
-        block = block.replace('"dishwasher"', f'"{FAMILY}"')
+        block = block.replace('"refrigerator"', f'"{FAMILY}"')
     else:
         trained.copy(tmp_path)
         Path("partnet").symlink_to(trained.shapes)

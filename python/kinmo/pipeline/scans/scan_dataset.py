@@ -89,7 +89,7 @@ def scanned_categories(workspace: Workspace) -> tuple[str, ...]:
 def open_scan_dataset(workspace: Workspace, category: str, method: str = DEFAULT_METHOD) -> ScanDataset:
     """Open the scans of a category in any spelling. A role whose scanning was interrupted has none.
 
-    Scans of shapes that no longer have their role, such as copies of a new test shape, do not count.
+    Scans of shapes that have become copies of a labelled shape, such as a new test shape, do not count.
     The structure is the most frequent one among the training objects (`usual_structure`). If no validation object has it, some
     training objects become validation objects; they are trained on too if there are no others.
 
@@ -107,10 +107,8 @@ def open_scan_dataset(workspace: Workspace, category: str, method: str = DEFAULT
         raise InputError(workspace.scans / spelling, "scanning was interrupted: run kinmo render again")
     paths = {role: sorted(caches[role].folder.glob("*.safetensors")) if role in done else [] for role in ROLES}
     dataset = open_dataset(workspace, spelling)
-    entries = {role: dataset.labelled[Split(role)] for role in LABELLED}
-    entries |= {"oracle": dataset.oracle, "unlabelled": dataset.unlabelled, "pseudo": dataset.unlabelled}
-    objects = {role: {(entry.id, entry.layout) for entry in entries[role]} for role in ROLES}
-    found = {role: [file for file in map(open_scans, paths[role]) if file.object in objects[role]] for role in ROLES}
+    copies = {(entry.id, entry.layout) for entry in dataset.copies}
+    found = {role: [file for file in map(open_scans, paths[role]) if file.object not in copies] for role in ROLES}
     structure = usual_structure(found["train"])
     if structure is None:
         raise InputError(workspace.scans / spelling, _nothing_to_train_on(caches["train"]))
