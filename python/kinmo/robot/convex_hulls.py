@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 from kinmo import _core
 from kinmo.core.oriented_box import Box
@@ -28,12 +30,18 @@ def hull_of(points: NDArray[np.float64], thickness: float) -> Mesh:
 
     The triangles face outwards.
     """
-    center, axes, half = box_of(points)
-    least = 0.5 * thickness
-    for axis in np.flatnonzero(half < least):
+    hull, corners, least = None, points, 0.5 * thickness
+    with suppress(QhullError):  # flat points have no hull until they are thick
+        hull = ConvexHull(points - points.mean(axis=0))
+        corners = points[hull.vertices]  # fewer points: their box is found faster
+    center, axes, half = box_of(corners)
+    thin = np.flatnonzero(half < least)
+    for axis in thin:
         aside = (least - half[axis]) * axes[axis]
-        points = np.concatenate([points + aside, points - aside])
-    hull = ConvexHull(points - center)
+        corners = np.concatenate([corners + aside, corners - aside])
+    if hull is None or len(thin):
+        points = corners
+        hull = ConvexHull(points - center)
     inside = points[hull.vertices].mean(axis=0)
     used, faces = np.unique(hull.simplices, return_inverse=True)
     vertices, faces = points[used], faces.reshape(-1, 3)
