@@ -96,6 +96,15 @@ def test_a_range_is_taken_with_a_new_type(server: ObjectServer) -> None:
     assert server.corrections.table == {"bodies": {"door": {"type": "slider", "range": [0.0, 0.07]}}}
 
 
+def test_a_wrong_range_takes_back_the_new_type_too(server: ObjectServer) -> None:
+    controls = row(server, DOOR)
+    controls.type.value, controls.range.value = "slider", (0.05, 0.07)
+    server.panels.correct(controls.apply)
+    assert server.corrections is not None and server.corrections.table == {}
+    assert "Not possible" in server.panels.status.content
+    assert controls.type.value == "hinge" and controls.folder.label == "door: hinge, 40%, uncertain"
+
+
 def test_corrections_at_the_same_time_are_all_kept(server: ObjectServer, monkeypatch: pytest.MonkeyPatch) -> None:
     corrections = server.corrections
     assert corrections is not None

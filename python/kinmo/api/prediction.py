@@ -231,8 +231,8 @@ class Prediction:
             Path of the main file of each format. A warning tells what a format cannot carry, such as the colours of vertices.
 
         Raises:
-            InputError: There is no such format, the folder has files in it or is the current one, `name` is no file name, or
-                `metres_per_unit` is not positive.
+            InputError: There is no such format, the folder has files in it or is the current one, `name` is no file name,
+                `collision` is unknown, or `metres_per_unit` is not positive.
         """
         folder = Path(folder)
         if folder.resolve() == Path.cwd():

@@ -82,7 +82,12 @@ class JointPanels:
             return
 
         def change() -> str:
-            action()
+            before = corrections.prediction, corrections.table
+            try:
+                action()
+            except KinmoError:
+                corrections.prediction, corrections.table = before  # of several changes, the first may have been right
+                raise
             self.page.correct(scene_of(corrections.prediction))
             return "Not saved yet: press *Save corrections*." if corrections.folder else "Corrected."
 

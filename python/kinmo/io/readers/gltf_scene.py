@@ -261,11 +261,6 @@ def _bent(primitive: Primitive, poses: F64, node: JsonField) -> Mesh:
 
 
 def _flipped(mesh: Mesh, chosen: NDArray[np.bool_]) -> Mesh:
-    """A mesh without normals, where the corners of the chosen faces [F] are in reverse order."""
-    order = np.where(chosen[:, None], [2, 1, 0], [0, 1, 2])
-    look = mesh.look
-    if look is not None:
-        uvs = None if look.uvs is None else np.take_along_axis(look.uvs, order[:, :, None], axis=1)
-        colors = None if look.colors is None else np.take_along_axis(look.colors, order[:, :, None], axis=1)
-        look = replace(look, uvs=uvs, colors=colors)
-    return Mesh(mesh.vertices, np.take_along_axis(mesh.faces, order, axis=1), look)
+    """A mesh where the corners of the chosen faces [F] are in reverse order."""
+    faces = np.arange(len(mesh.faces))
+    return join(mesh, mesh.flipped).part(np.where(chosen, len(faces) + faces, faces))
